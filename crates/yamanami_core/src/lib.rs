@@ -1,0 +1,27 @@
+//! The words and contracts of yamanami.
+//!
+//! Everything that two sibling crates must agree on lives here and nothing else: the height field and where it
+//! lies on Earth ([`HeightField`], [`GeoReference`]), the dyadic lattice laid over it ([`Lattice`]), triangle meshes,
+//! views and projections, the [`Hierarchy`] and [`Surface`] contracts, and the [`Sink`] that receives a front as it
+//! changes. This crate knows no file, no thread, no clock and no GPU.
+#![forbid(unsafe_code)]
+
+mod geo;
+mod height_field;
+mod hierarchy;
+mod lattice;
+mod mesh;
+mod sink;
+mod source;
+mod terrain_page;
+mod view;
+
+pub use geo::{Crs, GeoReference, PixelConvention};
+pub use height_field::HeightField;
+pub use hierarchy::{ActiveSet, Hierarchy, NodeId, NodeList, Sphere, Surface};
+pub use lattice::{Lattice, LatticeNode};
+pub use mesh::{Aabb, TriangleMesh};
+pub use sink::{MeshMirror, Sink, SurfaceVertex, TriangleKey, VertexId};
+pub use source::{HeightSource, Window};
+pub use terrain_page::{ErrorCode, PAGE_CELLS, PageId, TerrainPage};
+pub use view::{Frustum, Perspective, Projection, View};
