@@ -89,8 +89,9 @@ pub trait Hierarchy {
     /// Holds all that this node and its descendants change.
     fn bound(&self, node: NodeId) -> Sphere;
 
-    /// Triangles that applying this node adds, exactly, whatever else is applied.
-    fn triangles_added(&self, node: NodeId) -> u32;
+    /// Triangles that applying this node to the parent-closed set `active` (without it) adds, exactly. Where a hole
+    /// becomes sharper this may be negative.
+    fn triangles_added(&self, node: NodeId, active: &dyn ActiveSet) -> i32;
 
     /// Triangles of the base mesh.
     fn base_triangle_count(&self) -> usize;

@@ -1,1 +1,10 @@
-//! placeholder
+//! Builders of multiresolution surfaces.
+//!
+//! [`wavelet`] holds the terrain quadtree: a height field of any size as a 4-to-1 triangle quadtree with the lazy
+//! wavelet, its guaranteed vertical errors, and the surface that emits any parent-closed front of it. This crate never
+//! sees a view, a frame, a file or a GPU.
+
+mod error;
+pub mod wavelet;
+
+pub use error::MultiresError;

@@ -1,0 +1,442 @@
+//! The exact controller: moves the front to where greedy refinement would put it, at a cost proportional to the change.
+//!
+//! Based on: Duchaineau et al., "ROAMing terrain: real-time optimally adapting meshes", 1997 (two queues, deferred
+//! priorities). Where we differ: which nodes can have changed sides is decided by one clock. A border node is this far
+//! (in metres of eye movement, radians of turn, and relative change of the threshold) from changing sides; it sleeps
+//! until the clock, which runs as fast as the fastest of the three, has used that margin up. Woken nodes alone are
+//! weighed. The threshold itself moves in the same way, so the result is the same as weighing every node.
+
+use crate::criteria::Scale;
+use crate::oracle::Ranked;
+use crate::wheel::Wheel;
+use crate::{Criteria, Front, Step};
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+use yamanami_core::{ActiveSet, Hierarchy, NodeId};
+
+/// What kept an update from showing more.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LimitedBy {
+    /// Nothing above the tolerance is left out.
+    Tolerance,
+    /// The triangle budget.
+    Budget,
+    /// Data not in memory.
+    Residency,
+    /// The step limit of the frame.
+    Steps,
+}
+
+/// What an update did.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FrameReport {
+    /// Triangles now shown.
+    pub triangles: usize,
+    /// Nodes applied.
+    pub refined: usize,
+    /// Nodes undone.
+    pub coarsened: usize,
+    /// Nodes weighed.
+    pub weighed: usize,
+    /// What bound the front.
+    pub limited_by: LimitedBy,
+    /// No node left out has a larger error than this, in pixels (metres without a view).
+    pub error_left: f32,
+    /// The threshold in force: the larger of the tolerance and what the budget allows, same unit.
+    pub threshold: f32,
+    /// Absent nodes that were wanted.
+    pub wanted: Vec<NodeId>,
+}
+
+/// How far eye, direction and threshold may move in one unit of the clock.
+#[derive(Debug, Clone, Copy)]
+struct Rates {
+    eye_m: f64,
+    turn_rad: f64,
+    threshold: f64,
+}
+
+/// Moves a front from frame to frame.
+#[derive(Debug, Clone)]
+pub struct Controller {
+    front: Front,
+    criteria: Option<Criteria>,
+    wheel: Wheel,
+    rates: Rates,
+    /// Sleeping leaves are above this, sleeping open nodes are not.
+    threshold: f32,
+    /// This frame's weighed nodes.
+    open: BinaryHeap<Ranked>,
+    leaves: BinaryHeap<Reverse<Ranked>>,
+    /// Movement per frame, smoothed.
+    average: Rates,
+    weighed: usize,
+    wanted: Vec<NodeId>,
+    woken: Vec<NodeId>,
+}
+
+impl Controller {
+    /// Starts from the base mesh.
+    pub fn new(hierarchy: &impl Hierarchy) -> Self {
+        Self {
+            front: Front::new(hierarchy),
+            criteria: None,
+            wheel: Wheel::new(),
+            rates: Rates { eye_m: 1.0, turn_rad: 1e-3, threshold: 1e-3 },
+            threshold: f32::MAX,
+            open: BinaryHeap::new(),
+            leaves: BinaryHeap::new(),
+            average: Rates { eye_m: 0.0, turn_rad: 0.0, threshold: 0.0 },
+            weighed: 0,
+            wanted: Vec::new(),
+            woken: Vec::new(),
+        }
+    }
+
+    /// What is shown.
+    pub fn front(&self) -> &Front {
+        &self.front
+    }
+
+    /// Moves the front to what `criteria` ask for. `on_step` hears of each step just before it is taken, with the front
+    /// as it is then; each prefix of the steps leads to a legal front.
+    pub fn update<H: Hierarchy>(&mut self, hierarchy: &H, criteria: &Criteria, mut on_step: impl FnMut(Step, &Front)) -> FrameReport {
+        self.weighed = 0;
+        self.wanted.clear();
+        let scale = criteria.scale();
+        let before = self.threshold;
+        self.wake(hierarchy, criteria, &scale);
+        let mut report = self.settle(hierarchy, criteria, &scale, &mut on_step);
+        self.sleep(hierarchy, criteria, &scale);
+        let moved = f64::from(self.threshold / before).ln().abs();
+        self.average.threshold = 0.9 * self.average.threshold + 0.1 * moved.min(1.0);
+        report.weighed = self.weighed;
+        report.wanted = std::mem::take(&mut self.wanted);
+        self.criteria = Some(*criteria);
+        report
+    }
+
+    /// Wakes the nodes that may have changed sides since the last frame.
+    fn wake<H: Hierarchy>(&mut self, hierarchy: &H, criteria: &Criteria, scale: &Scale) {
+        let movement = self.criteria.as_ref().and_then(|last| movement(last, criteria));
+        let units = movement.map(|(eye_m, turn_rad)| {
+            self.average.eye_m = 0.9 * self.average.eye_m + 0.1 * eye_m;
+            self.average.turn_rad = 0.9 * self.average.turn_rad + 0.1 * turn_rad;
+            (eye_m / self.rates.eye_m).max(turn_rad / self.rates.turn_rad)
+        });
+        let pace = (self.average.eye_m / self.rates.eye_m)
+            .max(self.average.turn_rad / self.rates.turn_rad)
+            .max(self.average.threshold / self.rates.threshold);
+        match units {
+            Some(units) if (pace < 8.0 && pace > 1.0 / 64.0) || units == 0.0 => self.advance(hierarchy, scale, units),
+            _ => self.start_over(hierarchy, scale),
+        }
+    }
+
+    /// Weighs every border node and sets the clock's rates by the movement seen of late.
+    fn start_over<H: Hierarchy>(&mut self, hierarchy: &H, scale: &Scale) {
+        let a = self.average;
+        self.rates = Rates { eye_m: a.eye_m.max(1e-2), turn_rad: a.turn_rad.max(1e-5), threshold: a.threshold.max(1e-4) };
+        self.wheel.clear(|_| ());
+        self.threshold = f32::MAX;
+        let mut seen = hierarchy.roots();
+        for &root in &seen {
+            self.front.state_mut(root).hot = false;
+        }
+        // walk the front; a node is reached through its last parent only
+        while let Some(node) = seen.pop() {
+            if self.front.is_active(node) {
+                if self.front.is_leaf(node) {
+                    self.weigh_leaf(hierarchy, scale, node);
+                }
+                for &c in hierarchy.children(node).iter() {
+                    if hierarchy.parents(c).iter().max() == Some(&node) {
+                        seen.push(c);
+                    }
+                }
+            } else if self.front.is_open(hierarchy, node) {
+                self.weigh_open(hierarchy, scale, node);
+            }
+        }
+    }
+
+    fn advance<H: Hierarchy>(&mut self, hierarchy: &H, scale: &Scale, units: f64) {
+        let mut woken = std::mem::take(&mut self.woken);
+        let front = &self.front;
+        self.wheel.advance(units, |node, tick| {
+            let s = front.state(node);
+            if s.wake == tick && !s.hot {
+                woken.push(node);
+            }
+        });
+        for node in woken.drain(..) {
+            if self.front.state(node).hot {
+                continue;
+            }
+            if self.front.is_leaf(node) {
+                self.weigh_leaf(hierarchy, scale, node);
+            } else if self.front.is_open(hierarchy, node) {
+                self.weigh_open(hierarchy, scale, node);
+            }
+        }
+        self.woken = woken;
+    }
+
+    fn weigh_open<H: Hierarchy>(&mut self, hierarchy: &H, scale: &Scale, node: NodeId) {
+        self.weighed += 1;
+        self.front.state_mut(node).hot = true;
+        let priority = scale.priority(hierarchy.error_m(node), hierarchy.bound(node));
+        self.open.push(Ranked { priority, node });
+    }
+
+    fn weigh_leaf<H: Hierarchy>(&mut self, hierarchy: &H, scale: &Scale, node: NodeId) {
+        self.weighed += 1;
+        self.front.state_mut(node).hot = true;
+        let priority = scale.priority(hierarchy.error_m(node), hierarchy.bound(node));
+        self.leaves.push(Reverse(Ranked { priority, node }));
+    }
+
+    /// The best open node among the woken, once no sleeping one can be better; `None` when nothing is above the limit.
+    fn best_open<H: Hierarchy>(&mut self, hierarchy: &H, criteria: &Criteria, scale: &Scale) -> Option<Ranked> {
+        let limit = criteria.threshold();
+        loop {
+            while let Some(&top) = self.open.peek() {
+                let stale = !self.front.state(top.node).hot || !self.front.is_open(hierarchy, top.node);
+                if stale {
+                    self.open.pop();
+                    continue;
+                }
+                if top.priority > limit && !hierarchy.is_resident(top.node) {
+                    // stays hot: asked for again next frame
+                    self.open.pop();
+                    self.wanted.push(top.node);
+                    continue;
+                }
+                break;
+            }
+            let best = self.open.peek().copied().filter(|r| r.priority > limit);
+            let reach = best.map_or(limit, |r| r.priority);
+            if reach >= self.threshold {
+                return best;
+            }
+            self.move_threshold(hierarchy, scale, reach);
+        }
+    }
+
+    /// The worst leaf among the woken, once no sleeping one can be worse; `None` when all are above `limit`.
+    fn worst_leaf<H: Hierarchy>(&mut self, hierarchy: &H, criteria: &Criteria, scale: &Scale, limit: f32) -> Option<Ranked> {
+        let slack = 1.0 + criteria.hysteresis;
+        loop {
+            while let Some(&Reverse(top)) = self.leaves.peek() {
+                if self.front.state(top.node).hot && self.front.is_leaf(top.node) {
+                    break;
+                }
+                self.leaves.pop();
+            }
+            let worst = self
+                .leaves
+                .peek()
+                .map(|&Reverse(r)| Ranked { priority: r.priority * slack, ..r })
+                .filter(|r| r.priority <= limit);
+            let reach = worst.map_or(limit, |r| r.priority);
+            if reach <= self.threshold {
+                return worst;
+            }
+            self.move_threshold(hierarchy, scale, reach);
+        }
+    }
+
+    /// Moves the threshold towards `to`, at most one unit of the clock, waking whom it may pass.
+    fn move_threshold<H: Hierarchy>(&mut self, hierarchy: &H, scale: &Scale, to: f32) {
+        let step = (self.rates.threshold).exp() as f32;
+        let from = self.threshold;
+        let next = if to > from { to.min(from * step) } else { to.max(from / step) };
+        // a step too small for f32, or from or to infinity, goes all the way
+        let next = if next == from || !next.is_finite() || from >= f32::MAX { to } else { next };
+        let units = if from >= f32::MAX { 0.0 } else { (f64::from(next / from).ln().abs() / self.rates.threshold).min(4096.0) };
+        self.threshold = next;
+        self.advance(hierarchy, scale, units);
+    }
+
+    fn settle<H: Hierarchy>(&mut self, hierarchy: &H, criteria: &Criteria, scale: &Scale, on_step: &mut impl FnMut(Step, &Front)) -> FrameReport {
+        let budget = criteria.budget_triangles.map_or(i64::MAX, i64::from);
+        let max_steps = criteria.max_steps.unwrap_or(usize::MAX);
+        let (mut refined, mut coarsened) = (0, 0);
+        let limited_by;
+        let mut error_left = criteria.threshold();
+        loop {
+            let triangles = self.front.triangle_count() as i64;
+            if triangles > budget {
+                let Some(worst) = self.worst_leaf(hierarchy, criteria, scale, f32::INFINITY) else {
+                    limited_by = LimitedBy::Budget;
+                    break;
+                };
+                self.coarsen(hierarchy, scale, worst.node, on_step);
+                coarsened += 1;
+                continue;
+            }
+            let may_step = refined + coarsened < max_steps;
+            // what is good enough goes first: it makes room
+            if may_step && let Some(worst) = self.worst_leaf(hierarchy, criteria, scale, criteria.threshold()) {
+                self.coarsen(hierarchy, scale, worst.node, on_step);
+                coarsened += 1;
+                continue;
+            }
+            let Some(best) = self.best_open(hierarchy, criteria, scale) else {
+                limited_by = if self.wanted.is_empty() { LimitedBy::Tolerance } else { LimitedBy::Residency };
+                break;
+            };
+            error_left = best.priority;
+            if !may_step {
+                limited_by = LimitedBy::Steps;
+                break;
+            }
+            let added = hierarchy.triangles_added(best.node, &self.front);
+            if triangles + i64::from(added) <= budget {
+                self.open.pop();
+                self.refine(hierarchy, scale, best, added, on_step);
+                refined += 1;
+                continue;
+            }
+            match self.worst_leaf(hierarchy, criteria, scale, best.priority) {
+                Some(worst) if worst < best => {
+                    self.coarsen(hierarchy, scale, worst.node, on_step);
+                    coarsened += 1;
+                }
+                _ => {
+                    limited_by = LimitedBy::Budget;
+                    break;
+                }
+            }
+        }
+        if limited_by == LimitedBy::Tolerance || limited_by == LimitedBy::Residency {
+            error_left = criteria.threshold();
+        }
+        FrameReport {
+            triangles: self.front.triangle_count(),
+            refined,
+            coarsened,
+            weighed: 0,
+            limited_by,
+            error_left,
+            threshold: self.threshold,
+            wanted: Vec::new(),
+        }
+    }
+
+    fn refine<H: Hierarchy>(&mut self, hierarchy: &H, scale: &Scale, best: Ranked, added: i32, on_step: &mut impl FnMut(Step, &Front)) {
+        on_step(Step::Refine(best.node), &self.front);
+        let mut opened = std::mem::take(&mut self.woken);
+        self.front.refine(hierarchy, best.node, added, |_, node| opened.push(node));
+        for node in opened.drain(..) {
+            self.weigh_open(hierarchy, scale, node);
+        }
+        self.woken = opened;
+        self.leaves.push(Reverse(best));
+    }
+
+    fn coarsen<H: Hierarchy>(&mut self, hierarchy: &H, scale: &Scale, node: NodeId, on_step: &mut impl FnMut(Step, &Front)) {
+        self.leaves.pop();
+        on_step(Step::Coarsen(node), &self.front);
+        let without = |n: NodeId| n != node && self.front.is_active(n);
+        let added = hierarchy.triangles_added(node, &without);
+        let mut closed = std::mem::take(&mut self.woken);
+        self.front.coarsen(hierarchy, node, added, |_, parent| closed.push(parent));
+        for parent in closed.drain(..) {
+            self.weigh_leaf(hierarchy, scale, parent);
+        }
+        self.woken = closed;
+        self.weigh_open(hierarchy, scale, node);
+    }
+
+    /// Sets the alarms of all woken nodes.
+    fn sleep<H: Hierarchy>(&mut self, hierarchy: &H, criteria: &Criteria, scale: &Scale) {
+        if self.threshold >= f32::MAX {
+            self.threshold = criteria.threshold();
+        }
+        let slack = f64::from(1.0 + criteria.hysteresis);
+        let wanted = std::mem::take(&mut self.wanted);
+        let mut open = std::mem::take(&mut self.open);
+        let mut leaves = std::mem::take(&mut self.leaves);
+        for &node in &wanted {
+            self.set_alarm(node, 0.0);
+        }
+        for ranked in open.drain() {
+            if self.front.state(ranked.node).hot && self.front.is_open(hierarchy, ranked.node) {
+                let margin = self.margin(hierarchy, scale, ranked, 1.0, false);
+                self.set_alarm(ranked.node, margin);
+            }
+        }
+        for Reverse(ranked) in leaves.drain() {
+            if self.front.state(ranked.node).hot && self.front.is_leaf(ranked.node) {
+                let margin = self.margin(hierarchy, scale, ranked, slack, true);
+                self.set_alarm(ranked.node, margin);
+            }
+        }
+        (self.open, self.leaves, self.wanted) = (open, leaves, wanted);
+    }
+
+    fn set_alarm(&mut self, node: NodeId, after: f64) {
+        let tick = self.wheel.set(node, after);
+        let s = self.front.state_mut(node);
+        s.hot = false;
+        s.wake = tick;
+    }
+
+    /// Units of the clock until a node may change sides of the threshold.
+    fn margin<H: Hierarchy>(&self, hierarchy: &H, scale: &Scale, ranked: Ranked, slack: f64, leaf: bool) -> f64 {
+        let threshold = f64::from(self.threshold);
+        let rates = &self.rates;
+        // at most this long, so that the threshold's change stays where its linear bound holds
+        let longest = 1.0 / rates.threshold;
+        let on_side = if leaf { f64::from(ranked.priority) * slack > threshold } else { f64::from(ranked.priority) <= threshold };
+        if !on_side {
+            return 0.0;
+        }
+        let Some(eye) = &scale.view else {
+            if ranked.priority <= 0.0 {
+                return longest;
+            }
+            return (f64::from(ranked.priority) * slack / threshold).ln().abs() * 0.999 / rates.threshold;
+        };
+        let bound = hierarchy.bound(ranked.node);
+        let error_m = f64::from(hierarchy.error_m(ranked.node)) * slack;
+        let centre_m = (bound.centre - eye.view.eye).length();
+        let mut margin = longest;
+        let mut visible = true;
+        if let Some(frustum) = &eye.frustum {
+            let side_m = frustum.margin_m(bound);
+            visible = side_m >= 0.0;
+            let side_m = side_m.abs();
+            margin = margin.min(side_m / (rates.eye_m + rates.turn_rad * (centre_m + side_m)));
+        }
+        if visible && ranked.priority > 0.0 {
+            // shown while nearer than `reach_m`; the threshold moves that by up to e^v - 1 < 1.72 v of itself
+            let reach_m = error_m * eye.pixels_per_radian / threshold;
+            let off_m = (reach_m - (centre_m - bound.radius_m)).abs();
+            margin = margin.min(off_m / (rates.eye_m + 1.72 * reach_m * rates.threshold));
+        }
+        margin * 0.999
+    }
+}
+
+/// How far the eye moved (metres) and turned (radians) between two frames; `None` when more than that changed.
+fn movement(last: &Criteria, now: &Criteria) -> Option<(f64, f64)> {
+    if last.terrain_tolerance_m != now.terrain_tolerance_m && now.view.is_some() || last.hysteresis != now.hysteresis {
+        return None;
+    }
+    match (&last.view, &now.view) {
+        (None, None) => Some((0.0, 0.0)),
+        (Some(a), Some(b)) if a.cull == b.cull && a.view.fov_y_rad == b.view.fov_y_rad && a.view.viewport_px == b.view.viewport_px => {
+            // a view along z has another up vector: start over there
+            if a.view.up() != b.view.up() {
+                return None;
+            }
+            let turn = 2.0 * (0.5 * (a.view.forward() - b.view.forward()).length()).min(1.0).asin();
+            // turning about the vertical turns the sides more the steeper the view
+            let level = a.view.forward().truncate().length().min(b.view.forward().truncate().length()).max(1e-3);
+            Some(((a.view.eye - b.view.eye).length(), turn / level))
+        }
+        _ => None,
+    }
+}

@@ -1,0 +1,83 @@
+//! What is asked of a front: terrain tolerance, view and triangle budget, each on its own or together.
+//!
+//! Based on: Hashida, Kanai, Kishinami (the three controls at once). The view control here is the continuous
+//! screen-space error; the paper's staircase is in `paper`.
+
+use yamanami_core::{Frustum, Sphere, View};
+
+/// The view control: errors count by what they look like.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ViewCriterion {
+    /// The camera.
+    pub view: View,
+    /// Largest error wanted on the screen, pixels.
+    pub tolerance_px: f32,
+    /// Whether what lies outside the view is left coarse.
+    pub cull: bool,
+}
+
+/// All controls. Switched off: tolerances of 0, no view, no budget.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Criteria {
+    /// Errors up to this many metres are good enough wherever they are (τ* of the paper).
+    pub terrain_tolerance_m: f32,
+    /// The view control.
+    pub view: Option<ViewCriterion>,
+    /// Most triangles allowed.
+    pub budget_triangles: Option<u32>,
+    /// How much worse, relatively, a node must get than it had to be to be shown before it is taken away: 0 is exact,
+    /// 0.1 avoids flicker.
+    pub hysteresis: f32,
+    /// Most steps an update may take, so that a frame has an upper cost; steps that restore the budget are not counted.
+    pub max_steps: Option<usize>,
+}
+
+/// Criteria with what follows from them, ready for the inner loop.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Scale {
+    terrain_tolerance_m: f32,
+    pub(crate) view: Option<Eye>,
+}
+
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Eye {
+    pub(crate) view: View,
+    pub(crate) pixels_per_radian: f64,
+    pub(crate) frustum: Option<Frustum>,
+}
+
+impl Criteria {
+    /// The error beyond which nodes are wanted: pixels with a view, metres without.
+    pub fn threshold(&self) -> f32 {
+        self.view.map_or(self.terrain_tolerance_m, |v| v.tolerance_px).max(f32::MIN_POSITIVE)
+    }
+
+    pub(crate) fn scale(&self) -> Scale {
+        Scale {
+            // without a view the tolerance is the threshold itself
+            terrain_tolerance_m: if self.view.is_some() { self.terrain_tolerance_m } else { 0.0 },
+            view: self.view.map(|v| Eye {
+                view: v.view,
+                pixels_per_radian: v.view.pixels_per_radian(),
+                frustum: v.cull.then(|| v.view.frustum()),
+            }),
+        }
+    }
+}
+
+impl Scale {
+    /// A node's priority: its error in pixels (metres without a view), 0 when it need not be shown. Never rises from a
+    /// parent to its child.
+    #[inline]
+    pub(crate) fn priority(&self, error_m: f32, bound: Sphere) -> f32 {
+        if error_m <= self.terrain_tolerance_m {
+            return 0.0;
+        }
+        let Some(eye) = &self.view else { return error_m };
+        if eye.frustum.is_some_and(|f| !f.sees(bound)) {
+            return 0.0;
+        }
+        let distance_m = (bound.centre - eye.view.eye).length() - bound.radius_m;
+        if distance_m <= 0.0 { f32::INFINITY } else { (f64::from(error_m) * eye.pixels_per_radian / distance_m) as f32 }
+    }
+}
