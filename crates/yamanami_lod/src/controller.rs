@@ -56,6 +56,36 @@ struct Rates {
     threshold: f64,
 }
 
+/// Movement below this a frame is no movement.
+const LEAST_RATES: Rates = Rates { eye_m: 1e-3, turn_rad: 1e-6, threshold: 1e-6 };
+
+impl Rates {
+    /// Running mean over about the last sixteen frames.
+    fn follow(&mut self, now: Self, frames: u32) {
+        let share = 1.0 / f64::from((frames + 1).min(16));
+        let mix = |mean: &mut f64, now: f64| *mean += share * (now - *mean);
+        mix(&mut self.eye_m, now.eye_m);
+        mix(&mut self.turn_rad, now.turn_rad);
+        mix(&mut self.threshold, now.threshold.min(1.0));
+    }
+
+    fn at_least(self, least: Self) -> Self {
+        Self {
+            eye_m: self.eye_m.max(least.eye_m),
+            turn_rad: self.turn_rad.max(least.turn_rad),
+            threshold: self.threshold.max(least.threshold),
+        }
+    }
+
+    /// Whether any rate is far from the movement seen: the clock would run too fast, or alarms ring too early.
+    fn unlike(self, seen: Self) -> bool {
+        let seen = seen.at_least(LEAST_RATES);
+        [(self.eye_m, seen.eye_m), (self.turn_rad, seen.turn_rad), (self.threshold, seen.threshold)]
+            .iter()
+            .any(|(rate, seen)| rate / seen > 3.0 || seen / rate > 3.0)
+    }
+}
+
 /// Moves a front from frame to frame.
 #[derive(Debug, Clone)]
 pub struct Controller {
@@ -70,6 +100,12 @@ pub struct Controller {
     leaves: BinaryHeap<Reverse<Ranked>>,
     /// Movement per frame, smoothed.
     average: Rates,
+    /// How far the threshold has moved this frame, and did in the last, forth and back.
+    threshold_moved: f64,
+    threshold_moved_last: f64,
+    /// Every border node has been weighed this frame: the threshold may move freely.
+    nobody_sleeps: bool,
+    frames_since_start: u32,
     weighed: usize,
     wanted: Vec<NodeId>,
     woken: Vec<NodeId>,
@@ -82,11 +118,15 @@ impl Controller {
             front: Front::new(hierarchy),
             criteria: None,
             wheel: Wheel::new(),
-            rates: Rates { eye_m: 1.0, turn_rad: 1e-3, threshold: 1e-3 },
+            rates: LEAST_RATES,
             threshold: f32::MAX,
             open: BinaryHeap::new(),
             leaves: BinaryHeap::new(),
             average: Rates { eye_m: 0.0, turn_rad: 0.0, threshold: 0.0 },
+            threshold_moved: 0.0,
+            threshold_moved_last: 0.0,
+            nobody_sleeps: true,
+            frames_since_start: 0,
             weighed: 0,
             wanted: Vec::new(),
             woken: Vec::new(),
@@ -104,12 +144,11 @@ impl Controller {
         self.weighed = 0;
         self.wanted.clear();
         let scale = criteria.scale();
-        let before = self.threshold;
+        self.threshold_moved = 0.0;
         self.wake(hierarchy, criteria, &scale);
         let mut report = self.settle(hierarchy, criteria, &scale, &mut on_step);
         self.sleep(hierarchy, criteria, &scale);
-        let moved = f64::from(self.threshold / before).ln().abs();
-        self.average.threshold = 0.9 * self.average.threshold + 0.1 * moved.min(1.0);
+        self.threshold_moved_last = self.threshold_moved;
         report.weighed = self.weighed;
         report.wanted = std::mem::take(&mut self.wanted);
         self.criteria = Some(*criteria);
@@ -119,26 +158,23 @@ impl Controller {
     /// Wakes the nodes that may have changed sides since the last frame.
     fn wake<H: Hierarchy>(&mut self, hierarchy: &H, criteria: &Criteria, scale: &Scale) {
         let movement = self.criteria.as_ref().and_then(|last| movement(last, criteria));
-        let units = movement.map(|(eye_m, turn_rad)| {
-            self.average.eye_m = 0.9 * self.average.eye_m + 0.1 * eye_m;
-            self.average.turn_rad = 0.9 * self.average.turn_rad + 0.1 * turn_rad;
-            (eye_m / self.rates.eye_m).max(turn_rad / self.rates.turn_rad)
-        });
-        let pace = (self.average.eye_m / self.rates.eye_m)
-            .max(self.average.turn_rad / self.rates.turn_rad)
-            .max(self.average.threshold / self.rates.threshold);
-        match units {
-            Some(units) if (pace < 8.0 && pace > 1.0 / 64.0) || units == 0.0 => self.advance(hierarchy, scale, units),
-            _ => self.start_over(hierarchy, scale),
+        let Some((eye_m, turn_rad)) = movement else { return self.start_over(hierarchy, scale) };
+        self.average.follow(Rates { eye_m, turn_rad, threshold: self.threshold_moved_last }, self.frames_since_start);
+        self.frames_since_start += 1;
+        let units = (eye_m / self.rates.eye_m).max(turn_rad / self.rates.turn_rad);
+        let due = self.frames_since_start.is_power_of_two() || self.frames_since_start % 64 == 0;
+        if due && self.rates.unlike(self.average) {
+            self.start_over(hierarchy, scale);
+        } else {
+            self.advance(hierarchy, scale, units);
         }
     }
 
     /// Weighs every border node and sets the clock's rates by the movement seen of late.
     fn start_over<H: Hierarchy>(&mut self, hierarchy: &H, scale: &Scale) {
-        let a = self.average;
-        self.rates = Rates { eye_m: a.eye_m.max(1e-2), turn_rad: a.turn_rad.max(1e-5), threshold: a.threshold.max(1e-4) };
-        self.wheel.clear(|_| ());
-        self.threshold = f32::MAX;
+        self.rates = self.average.at_least(LEAST_RATES);
+        self.wheel.clear();
+        self.nobody_sleeps = true;
         let mut seen = hierarchy.roots();
         for &root in &seen {
             self.front.state_mut(root).hot = false;
@@ -154,7 +190,7 @@ impl Controller {
                         seen.push(c);
                     }
                 }
-            } else if self.front.is_open(hierarchy, node) {
+            } else if self.front.is_open(node) {
                 self.weigh_open(hierarchy, scale, node);
             }
         }
@@ -175,7 +211,7 @@ impl Controller {
             }
             if self.front.is_leaf(node) {
                 self.weigh_leaf(hierarchy, scale, node);
-            } else if self.front.is_open(hierarchy, node) {
+            } else if self.front.is_open(node) {
                 self.weigh_open(hierarchy, scale, node);
             }
         }
@@ -201,7 +237,7 @@ impl Controller {
         let limit = criteria.threshold();
         loop {
             while let Some(&top) = self.open.peek() {
-                let stale = !self.front.state(top.node).hot || !self.front.is_open(hierarchy, top.node);
+                let stale = !self.front.state(top.node).hot || !self.front.is_open(top.node);
                 if stale {
                     self.open.pop();
                     continue;
@@ -248,14 +284,19 @@ impl Controller {
 
     /// Moves the threshold towards `to`, at most one unit of the clock, waking whom it may pass.
     fn move_threshold<H: Hierarchy>(&mut self, hierarchy: &H, scale: &Scale, to: f32) {
-        let step = (self.rates.threshold).exp() as f32;
         let from = self.threshold;
+        if self.nobody_sleeps {
+            self.threshold = to;
+            return;
+        }
+        let step = self.rates.threshold.exp() as f32;
         let next = if to > from { to.min(from * step) } else { to.max(from / step) };
-        // a step too small for f32, or from or to infinity, goes all the way
-        let next = if next == from || !next.is_finite() || from >= f32::MAX { to } else { next };
-        let units = if from >= f32::MAX { 0.0 } else { (f64::from(next / from).ln().abs() / self.rates.threshold).min(4096.0) };
+        // a step too small for f32, or towards infinity, goes all the way
+        let next = if next == from || !next.is_finite() { to } else { next };
         self.threshold = next;
-        self.advance(hierarchy, scale, units);
+        let moved = f64::from(next / from).ln().abs().min(100.0);
+        self.threshold_moved += moved;
+        self.advance(hierarchy, scale, moved / self.rates.threshold);
     }
 
     fn settle<H: Hierarchy>(&mut self, hierarchy: &H, criteria: &Criteria, scale: &Scale, on_step: &mut impl FnMut(Step, &Front)) -> FrameReport {
@@ -354,6 +395,7 @@ impl Controller {
         if self.threshold >= f32::MAX {
             self.threshold = criteria.threshold();
         }
+        self.nobody_sleeps = false;
         let slack = f64::from(1.0 + criteria.hysteresis);
         let wanted = std::mem::take(&mut self.wanted);
         let mut open = std::mem::take(&mut self.open);
@@ -362,7 +404,7 @@ impl Controller {
             self.set_alarm(node, 0.0);
         }
         for ranked in open.drain() {
-            if self.front.state(ranked.node).hot && self.front.is_open(hierarchy, ranked.node) {
+            if self.front.state(ranked.node).hot && self.front.is_open(ranked.node) {
                 let margin = self.margin(hierarchy, scale, ranked, 1.0, false);
                 self.set_alarm(ranked.node, margin);
             }

@@ -31,6 +31,8 @@ const BLOCK: usize = 1 << BLOCK_BITS;
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct NodeState {
     active: bool,
+    /// Not applied, and all parents are.
+    open: bool,
     /// In this frame's queues.
     pub(crate) hot: bool,
     active_parents: u8,
@@ -58,7 +60,11 @@ impl Front {
     /// The empty front of a hierarchy: its base mesh.
     pub fn new(hierarchy: &impl Hierarchy) -> Self {
         let blocks = (hierarchy.node_bound() as usize).div_ceil(BLOCK);
-        Self { blocks: vec![None; blocks], triangles: hierarchy.base_triangle_count() as i64, len: 0 }
+        let mut front = Self { blocks: vec![None; blocks], triangles: hierarchy.base_triangle_count() as i64, len: 0 };
+        for root in hierarchy.roots() {
+            front.state_mut(root).open = true;
+        }
+        front
     }
 
     /// Triangles of the front's mesh.
@@ -106,9 +112,8 @@ impl Front {
 
     /// Whether the node may be refined.
     #[inline]
-    pub fn is_open(&self, hierarchy: &impl Hierarchy, node: NodeId) -> bool {
-        let s = self.state(node);
-        !s.active && usize::from(s.active_parents) == hierarchy.parent_count(node)
+    pub fn is_open(&self, node: NodeId) -> bool {
+        self.state(node).open
     }
 
     /// Whether the node may be coarsened.
@@ -120,8 +125,9 @@ impl Front {
 
     /// Applies an open node that adds `added` triangles; `opened` hears of each node that may now be refined.
     pub(crate) fn refine(&mut self, hierarchy: &impl Hierarchy, node: NodeId, added: i32, mut opened: impl FnMut(&mut Self, NodeId)) {
-        debug_assert!(self.is_open(hierarchy, node));
-        self.state_mut(node).active = true;
+        let state = self.state_mut(node);
+        debug_assert!(state.open);
+        (state.active, state.open) = (true, false);
         self.len += 1;
         self.triangles += i64::from(added);
         for &p in hierarchy.parents(node).iter() {
@@ -130,9 +136,8 @@ impl Front {
         for &c in hierarchy.children(node).iter() {
             let s = self.state_mut(c);
             s.active_parents += 1;
-            let have = usize::from(s.active_parents);
-            // two parents never suffice where a node has more: only then is the count worth asking for
-            if have == hierarchy.parent_count(c) {
+            if usize::from(s.active_parents) == hierarchy.parent_count(c) {
+                s.open = true;
                 opened(self, c);
             }
         }
@@ -141,11 +146,14 @@ impl Front {
     /// Undoes a leaf that had added `added` triangles; `closed` hears of each parent that is a leaf now.
     pub(crate) fn coarsen(&mut self, hierarchy: &impl Hierarchy, node: NodeId, added: i32, mut closed: impl FnMut(&mut Self, NodeId)) {
         debug_assert!(self.is_leaf(node));
-        self.state_mut(node).active = false;
+        let state = self.state_mut(node);
+        (state.active, state.open) = (false, true);
         self.len -= 1;
         self.triangles -= i64::from(added);
         for &c in hierarchy.children(node).iter() {
-            self.state_mut(c).active_parents -= 1;
+            let s = self.state_mut(c);
+            s.active_parents -= 1;
+            s.open = false;
         }
         for &p in hierarchy.parents(node).iter() {
             let s = self.state_mut(p);

@@ -102,7 +102,7 @@ impl PaperController {
                     leaves.push(node);
                 }
                 seen.extend(hierarchy.children(node).iter().filter(|&&c| hierarchy.parents(c).iter().max() == Some(&node)));
-            } else if self.front.is_open(hierarchy, node) {
+            } else if self.front.is_open(node) {
                 open.push(node);
             }
         }
@@ -117,7 +117,7 @@ impl PaperController {
             }
         }
         while let Some(node) = open.pop() {
-            if self.front.is_open(hierarchy, node) && wants(node) {
+            if self.front.is_open(node) && wants(node) {
                 if !hierarchy.is_resident(node) {
                     wanted.push(node);
                     continue;

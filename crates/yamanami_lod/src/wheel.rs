@@ -52,11 +52,9 @@ impl Wheel {
         self.next = now;
     }
 
-    /// Forgets all alarms; hands out every node that had one.
-    pub(crate) fn clear(&mut self, mut each: impl FnMut(NodeId)) {
-        for slot in &mut self.slots {
-            slot.drain(..).for_each(&mut each);
-        }
+    /// Forgets all alarms.
+    pub(crate) fn clear(&mut self) {
+        self.slots.iter_mut().for_each(Vec::clear);
         self.clock = 0.0;
         self.next = 0;
     }

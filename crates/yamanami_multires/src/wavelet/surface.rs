@@ -356,6 +356,25 @@ impl<D: TerrainData> Hierarchy for TerrainSurface<D> {
         out
     }
 
+    #[inline]
+    fn parent_count(&self, node: NodeId) -> usize {
+        let LatticeNode { level, x, y } = self.numbers.place(node);
+        let [nx, ny] = self.lattice().points(level);
+        if level + 1 == self.lattice().levels() {
+            return 0;
+        }
+        if x == 0 || y == 0 || x + 4 >= nx || y + 4 >= ny {
+            return self.parents(node).len();
+        }
+        // an edge inside a parent triangle has its three midpoints for parents, one shared by two parents all five
+        let shared = match (x & 1, y & 1) {
+            (1, 0) => y & 3 == 0,
+            (0, 1) => x & 3 == 0,
+            _ => (x ^ y) & 2 == 0,
+        };
+        if shared { 5 } else { 3 }
+    }
+
     fn children(&self, node: NodeId) -> NodeList {
         let mut out = NodeList::new();
         let place = self.numbers.place(node);
