@@ -1,1 +1,22 @@
-//! placeholder
+//! What tests of every crate share: synthetic terrain, and the laws every method obeys, as functions.
+//!
+//! [`SyntheticTerrain`] makes height fields of any size, whole or by windows. [`laws`] holds the contracts of
+//! [`yamanami_core::Hierarchy`] and [`yamanami_core::Surface`] as checks that panic with what was broken and where, so
+//! that a law is written once and run over every method. [`RandomFront`] wanders through the legal fronts of a hierarchy.
+#![forbid(unsafe_code)]
+
+mod conforming;
+mod fractal;
+mod front;
+mod holes;
+pub mod laws;
+pub mod rng;
+mod strict_sink;
+mod terrain;
+
+pub use conforming::check_conforming;
+pub use front::{RandomFront, Step};
+pub use holes::Holes;
+pub use rng::Rng;
+pub use strict_sink::StrictSink;
+pub use terrain::{Shape, Spacing, SyntheticTerrain};

@@ -8,8 +8,8 @@ pub trait TerrainData: Sync {
     /// Height in metres at a lattice point (clamped to the grid); the point's level is resident.
     fn height_m(&self, node: LatticeNode) -> f32;
 
-    /// Height in metres at a sample that is a lattice point of `level` or, on the last column or row, of a finer one.
-    fn sample_height_m(&self, column: u32, row: u32, level: u32) -> f32;
+    /// Height in metres at a sample that is a vertex of a front in memory.
+    fn sample_height_m(&self, column: u32, row: u32) -> f32;
 
     /// Change of height, in metres a lattice step, eastwards and southwards at a lattice point.
     fn gradient(&self, node: LatticeNode) -> [f64; 2];
@@ -63,7 +63,7 @@ impl TerrainData for GridData {
     }
 
     #[inline]
-    fn sample_height_m(&self, column: u32, row: u32, _level: u32) -> f32 {
+    fn sample_height_m(&self, column: u32, row: u32) -> f32 {
         self.heights_m[row as usize * self.lattice.width() as usize + column as usize]
     }
 

@@ -47,7 +47,10 @@ impl Holes {
                     let (any, all) = ((nw | se) & 0b11, nw & se & 0b1100);
                     let any = (any & 1 | u8::from(ne & 0b11 != 0)) & 1 | (any & 2 | u8::from(sw & 0b11 != 0) << 1) & 2;
                     let all = (all & (u8::from(ne & 0b1100 == 0b1100) << 2)) | (all & (u8::from(sw & 0b1100 == 0b1100) << 3));
-                    *square = any | all;
+                    // a clamped square's diagonal bends as it is refined: neither half covers the square's samples alone
+                    let past = |k: usize, size: u32| (k + 1) << level > size as usize - 1;
+                    let bends = past(x, lattice.width()) || past(y, lattice.height());
+                    *square = if bends && any != 0 { 0b11 | all } else { any | all };
                 }
             });
             squares.push(coarse);

@@ -52,6 +52,12 @@ impl<D: TerrainData> TerrainSurface<D> {
         &mut self.data
     }
 
+    /// The same surface over other data.
+    pub fn map_data<E: TerrainData>(self, map: impl FnOnce(D) -> E) -> TerrainSurface<E> {
+        let Self { numbers, data, geo, bound_radius_m, first_triangle } = self;
+        TerrainSurface { numbers, data: map(data), geo, bound_radius_m, first_triangle }
+    }
+
     /// Node numbers and lattice.
     pub fn numbers(&self) -> &NodeNumbers {
         &self.numbers
@@ -199,7 +205,7 @@ impl<D: TerrainData> TerrainSurface<D> {
     fn reshade_ends(&self, node: LatticeNode, active: &dyn ActiveSet, applied: bool, sink: &mut dyn Sink) {
         let number = self.numbers.number(node);
         for end in edge_ends(node) {
-            if self.is_clamped(end) || self.star_is_refined(end, active, number) {
+            if self.is_folded(end) || self.star_is_refined(end, active, number) {
                 continue;
             }
             let own = own_place(end, self.lattice().levels());
@@ -215,6 +221,16 @@ impl<D: TerrainData> TerrainSurface<D> {
             let sample = self.lattice().sample(end.level, end.x, end.y);
             sink.update_vertex(self.vertex_id(sample), self.vertex(own, shade_level));
         }
+    }
+
+    /// Whether a point lies on a last column or row that base squares reach past: lattice points of several levels share
+    /// such a place, and its vertex keeps the shading of the level that brought it.
+    fn is_folded(&self, point: LatticeNode) -> bool {
+        let lattice = self.lattice();
+        let folded = |k: u32, size: u32| {
+            u64::from(k) << point.level >= u64::from(size - 1) && !(size - 1).is_multiple_of(1 << lattice.levels())
+        };
+        folded(point.x, lattice.width()) || folded(point.y, lattice.height())
     }
 
     fn is_clamped(&self, point: LatticeNode) -> bool {
@@ -406,6 +422,11 @@ impl<D: TerrainData> Hierarchy for TerrainSurface<D> {
 
     fn bound(&self, node: NodeId) -> Sphere {
         let place = self.numbers.place(node);
+        if !self.data.is_resident(place)
+            && let Some(&parent) = self.parents(node).first()
+        {
+            return self.bound(parent);
+        }
         Sphere { centre: self.position(place), radius_m: self.bound_radius_m[place.level as usize] }
     }
 
@@ -492,9 +513,8 @@ impl<D: TerrainData> Surface for TerrainSurface<D> {
             });
         }
         for [column, row] in samples {
-            let level = (column | row).trailing_zeros().min(self.lattice().levels());
             let [x, y] = self.geo.local_from_grid(f64::from(column), f64::from(row));
-            let z = self.data.sample_height_m(column, row, level);
+            let z = self.data.sample_height_m(column, row);
             mesh.positions.push(DVec3::new(x, y, f64::from(z)));
         }
         mesh
