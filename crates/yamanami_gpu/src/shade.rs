@@ -1,0 +1,101 @@
+//! Colours of surface and sky: the software twin of `shaders/frame.wgsl`, function by function.
+//!
+//! Relief shading with softer side lights follows: Robert Mark, "A multidirectional, oblique-weighted, shaded-relief image
+//! of the Island of Hawaii", 1992; warm light and cool shade follow: Eduard Imhof, "Kartographische Geländedarstellung",
+//! 1965.
+
+use crate::frame::Frame;
+use glam::{Vec3, Vec4};
+
+/// Light of the sun and of the sky on level ground, linear.
+const SUN_LIGHT: Vec3 = Vec3::new(0.74, 0.70, 0.62);
+const SKY_LIGHT: Vec3 = Vec3::new(0.20, 0.24, 0.31);
+/// Share of light on the underside of the surface.
+const UNDERSIDE: f32 = 0.35;
+
+/// Colour of the ramp at `t`.
+pub(crate) fn ramp_colour(frame: &Frame, t: f32) -> Vec3 {
+    let mut colour = rgb(frame.ramp[0]);
+    for i in 1..frame.ramp.len() {
+        let (from, to) = (frame.ramp[i - 1][3], frame.ramp[i][3]);
+        colour = colour.lerp(rgb(frame.ramp[i]), ((t - from) / (to - from)).clamp(0.0, 1.0));
+    }
+    colour
+}
+
+/// Light that falls on a surface with this upward normal, linear.
+pub(crate) fn light_on(frame: &Frame, normal: Vec3) -> Vec3 {
+    let mut lit = 0.0;
+    for light in frame.lights.map(Vec4::from_array) {
+        lit += light.w * normal.dot(light.truncate()).max(0.0) / light.z;
+    }
+    let sun = 1.0 + frame.strength * (lit - 1.0);
+    let sky = 1.0 + frame.strength * (0.5 * normal.z - 0.5);
+    SUN_LIGHT * sun.max(0.0) + SKY_LIGHT * sky
+}
+
+/// Colour of the sky, or of what lies below the horizon, in a unit direction.
+pub(crate) fn sky_colour(frame: &Frame, direction: Vec3) -> Vec3 {
+    if direction.z >= 0.0 {
+        rgb(frame.horizon).lerp(rgb(frame.zenith), 1.0 - (-4.0 * direction.z).exp())
+    } else {
+        rgb(frame.horizon).lerp(rgb(frame.ground), 1.0 - (5.0 * direction.z).exp())
+    }
+}
+
+/// Colour of a surface point: `albedo` lit and hazed. `from_eye` is the point relative to the eye, `normal` points
+/// up, `underside` tells that the surface is seen from below.
+pub(crate) fn surface_colour(frame: &Frame, albedo: Vec3, from_eye: Vec3, normal: Vec3, underside: bool) -> Vec3 {
+    let light = light_on(frame, normal) * if underside { UNDERSIDE } else { 1.0 };
+    let haze = from_eye.length() * frame.haze_per_m;
+    (albedo * light).lerp(rgb(frame.horizon), 1.0 - (-haze * haze).exp())
+}
+
+/// Share of the wireframe's colour at perspective-correct barycentric coordinates `b`, whose length of gradient over the
+/// screen is `slope` (per pixel).
+pub(crate) fn wire_share(frame: &Frame, b: Vec3, slope: Vec3) -> f32 {
+    let slope = slope.max(Vec3::splat(1e-9));
+    let distance_px = (b / slope).min_element();
+    let height_px = (1.0 / slope).min_element();
+    let line = (0.5 + 0.5 * frame.wire_width_px - distance_px).clamp(0.0, 1.0);
+    let room = ((height_px - 1.5) / 4.5).clamp(0.0, 1.0);
+    frame.wire[3] * line * room
+}
+
+/// The first three numbers.
+#[inline]
+pub(crate) fn rgb(v: [f32; 4]) -> Vec3 {
+    Vec3::new(v[0], v[1], v[2])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::RenderOptions;
+    use glam::DVec3;
+    use yamanami_core::{Aabb, View};
+
+    fn frame(options: &RenderOptions) -> Frame {
+        let view = View { eye: DVec3::Z * 100.0, target: DVec3::Y, fov_y_rad: 1.0, viewport_px: [64, 64] };
+        Frame::new(DVec3::ZERO, Aabb { min: DVec3::ZERO, max: DVec3::splat(10.0) }, &view, options)
+    }
+
+    #[test]
+    fn slopes_towards_the_north_west_are_lighter() {
+        let frame = frame(&RenderOptions::default());
+        let light = |x: f32, y: f32| light_on(&frame, Vec3::new(x, y, 1.0).normalize()).element_sum();
+        assert!(light(-0.5, 0.5) > light(0.0, 0.0));
+        assert!(light(0.0, 0.0) > light(0.5, -0.5));
+        assert!(light(0.5, -0.5) > 0.15, "shade is not black");
+    }
+
+    #[test]
+    fn the_ramp_meets_its_stops_and_stays_within() {
+        let frame = frame(&RenderOptions::default());
+        for stop in frame.ramp {
+            assert!((ramp_colour(&frame, stop[3]) - rgb(stop)).length() < 1e-6);
+        }
+        assert_eq!(ramp_colour(&frame, -3.0), rgb(frame.ramp[0]));
+        assert!((ramp_colour(&frame, 7.0) - rgb(frame.ramp[7])).length() < 1e-6);
+    }
+}

@@ -1,0 +1,215 @@
+//! The GPU's mesh equals the mirror, and its pictures those drawn in software. Without an adapter, a note says so.
+#![cfg(feature = "wgpu")]
+
+mod common;
+
+use common::Walk;
+use glam::DVec3;
+use image::RgbaImage;
+use std::sync::Arc;
+use yamanami_core::{MeshMirror, Sink};
+use yamanami_gpu::{
+    ColourBy, Drape, Gpu, GpuError, MeshContents, Morph, RenderOptions, Renderer, ResidentBuffers, ResidentMesh,
+    TRIANGLE_BYTES, VERTEX_BYTES, Wireframe, software,
+};
+
+fn gpu() -> Option<Gpu> {
+    match Gpu::headless() {
+        Ok(gpu) => {
+            println!("on {}", gpu.description());
+            Some(gpu)
+        }
+        Err(error) => {
+            assert!(!error.to_string().contains('\n'), "one clear line");
+            println!("skipped: {error}");
+            None
+        }
+    }
+}
+
+/// A device without compute shaders and storage buffers, as in a browser with WebGL 2.
+fn plain_gpu() -> Option<Gpu> {
+    use yamanami_gpu::wgpu;
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+    let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default())).ok()?;
+    let required_limits = wgpu::Limits::downlevel_webgl2_defaults();
+    let descriptor = wgpu::DeviceDescriptor { required_limits, ..wgpu::DeviceDescriptor::default() };
+    let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).ok()?;
+    Some(Gpu::from_device(device, queue))
+}
+
+#[test]
+fn read_back_equals_the_mirror_over_growth_and_small_changes() {
+    let Some(gpu) = gpu() else { return };
+    check_read_back(&gpu, 1);
+}
+
+#[test]
+fn without_compute_shaders_the_mesh_is_the_same_and_edges_are_left_out() {
+    let Some(gpu) = plain_gpu() else { return };
+    check_read_back(&gpu, 2048 / TRIANGLE_BYTES);
+    let hills = common::hills(20, 5000.0);
+    let mut mesh = ResidentMesh::with_buffers(&gpu, ResidentBuffers::from_mesh(&hills));
+    mesh.flush().unwrap();
+    let view = common::view_of(&hills, DVec3::new(0.3, -0.9, 0.6), [160, 100]);
+    let options = RenderOptions { wireframe: Some(Wireframe::default()), ..RenderOptions::default() };
+    let drawn = Renderer::new(&gpu).render_to_image(&mesh, &view, &options).unwrap();
+    let reference = software::render_to_image(mesh.buffers(), &view, &RenderOptions::default()).unwrap();
+    assert!(mean_difference(&drawn, &reference) < 0.6);
+}
+
+/// Changes a mesh in rounds large and small; small ones may upload `slack` times what changed.
+fn check_read_back(gpu: &Gpu, slack: u64) {
+    let origin = DVec3::new(3.0, 4.0, 5.0);
+    let (mut mesh, mut mirror) = (ResidentMesh::new(gpu, origin), MeshMirror::default());
+    let (mut walk, mut twin) = (Walk::default(), Walk::default());
+    let mut code = 12345u32;
+    for round in 0..12 {
+        for _ in 0..if round % 3 == 0 { 3000 } else { 40 } {
+            code = code.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            // Mostly growth at first, so that buffers have to double.
+            let step = if round == 0 { code >> 9 & !7 | [0, 1, 3, 4][(code >> 7 & 3) as usize] } else { code >> 9 };
+            walk.step(step, &mut mesh);
+            twin.step(step, &mut mirror);
+        }
+        let stats = mesh.flush().unwrap();
+        assert!(stats.grown_bytes > 0 || round > 0, "{stats:?}");
+        if round % 3 != 0 {
+            assert!(stats.vertex_bytes <= 8 + slack * 40 * (VERTEX_BYTES + 4), "{stats:?}");
+            assert!(stats.index_bytes <= 8 + slack * 40 * (TRIANGLE_BYTES + 4), "{stats:?}");
+        }
+        assert_eq!(mesh.read_back().unwrap(), MeshContents::of_mirror(&mirror, origin), "round {round}");
+    }
+    let whole = mesh.upload_all().unwrap();
+    assert_eq!(whole.index_bytes, mesh.buffers().triangle_count() as u64 * TRIANGLE_BYTES);
+    assert_eq!(mesh.read_back().unwrap(), MeshContents::of_mirror(&mirror, origin));
+}
+
+#[test]
+fn pictures_equal_those_drawn_in_software() {
+    let Some(gpu) = gpu() else { return };
+    let hills = common::hills(90, 5000.0);
+    let bounds = hills.bounds();
+    let mut mesh = ResidentMesh::with_buffers(&gpu, ResidentBuffers::from_mesh(&hills));
+    mesh.flush().unwrap();
+    let mut renderer = Renderer::new(&gpu);
+    let board = RgbaImage::from_fn(96, 80, |x, y| {
+        image::Rgba([(x * 2) as u8, (y * 3) as u8, if (x / 8 + y / 8) % 2 == 0 { 200 } else { 90 }, 255])
+    });
+    let drape = Drape::over_box(board, [bounds.min.x + 500.0, bounds.min.y], [bounds.max.x, bounds.max.y]);
+    let base = RenderOptions::default();
+    let styles = [
+        ("height", base.clone()),
+        ("one sample", RenderOptions { antialias: false, ..base.clone() }),
+        ("plain", RenderOptions { colour: ColourBy::Plain([200, 190, 170]), ..base.clone() }),
+        ("level", RenderOptions { colour: ColourBy::Level, ..base.clone() }),
+        ("drape", RenderOptions { colour: ColourBy::Drape, drape: Some(Arc::new(drape)), ..base.clone() }),
+        ("wire", RenderOptions { wireframe: Some(Wireframe::default()), ..base.clone() }),
+        ("morph", RenderOptions { morph: Some(Morph { tau_px: 2.0, width: 0.5 }), ..base.clone() }),
+    ];
+    let views = [DVec3::new(0.3, -0.9, 0.6), DVec3::new(0.05, -0.1, 0.09), DVec3::new(-0.2, 0.1, 1.1)];
+    for (name, options) in styles {
+        for from in views {
+            let view = common::view_of(&hills, from, [320, 200]);
+            let drawn = renderer.render_to_image(&mesh, &view, &options).unwrap();
+            let reference = software::render_to_image(mesh.buffers(), &view, &options).unwrap();
+            let difference = mean_difference(&drawn, &reference);
+            println!("{name} from {from}: mean difference {difference:.3} of 255");
+            // Anisotropic filtering and hardware derivatives are the device's own business.
+            let bound = if matches!(name, "drape" | "wire") { 2.0 } else { 0.6 };
+            assert!(difference < bound, "{name} from {from}: {difference}");
+        }
+    }
+}
+
+#[test]
+fn geomorphing_lowers_the_same_vertices_on_both() {
+    let Some(gpu) = gpu() else { return };
+    let hills = common::hills(40, 5000.0);
+    let mut buffers = ResidentBuffers::new(hills.bounds().centre());
+    for (id, &position) in (0u32..).zip(&hills.positions) {
+        let mut vertex = common::vertex(id, 1);
+        vertex.position = position;
+        vertex.normal = [0.0, 0.0, 1.0];
+        vertex.detail_m = if id % 2 == 0 { 0.0 } else { 120.0 };
+        vertex.error_m = 30.0;
+        vertex.bound_radius_m = 200.0;
+        buffers.add_vertex(id, vertex);
+    }
+    for (key, &corners) in (0u64..).zip(&hills.triangles) {
+        buffers.add_triangle(key, corners);
+    }
+    let mut mesh = ResidentMesh::with_buffers(&gpu, buffers);
+    mesh.flush().unwrap();
+    let view = common::view_of(&hills, DVec3::new(0.0, -0.9, 0.4), [320, 200]);
+    let whole = RenderOptions::default();
+    let fading = RenderOptions { morph: Some(Morph { tau_px: 1.0, width: 1.5 }), ..RenderOptions::default() };
+    let reference = software::render_to_image(mesh.buffers(), &view, &fading).unwrap();
+    let drawn = Renderer::new(&gpu).render_to_image(&mesh, &view, &fading).unwrap();
+    let unfaded = software::render_to_image(mesh.buffers(), &view, &whole).unwrap();
+    assert!(mean_difference(&drawn, &reference) < 0.6);
+    assert!(mean_difference(&reference, &unfaded) > 1.0, "fading shows");
+}
+
+/// A window's texture often takes bytes as they are: the shaders then encode sRGB.
+#[test]
+fn a_target_without_srgb_shows_the_same_picture() {
+    use yamanami_gpu::wgpu;
+    let Some(gpu) = gpu() else { return };
+    let hills = common::hills(30, 5000.0);
+    let mut mesh = ResidentMesh::with_buffers(&gpu, ResidentBuffers::from_mesh(&hills));
+    mesh.flush().unwrap();
+    let (width, height) = (128, 72);
+    let view = common::view_of(&hills, DVec3::new(0.3, -0.9, 0.6), [width, height]);
+    let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
+    let format = wgpu::TextureFormat::Rgba8Unorm;
+    let texture = gpu.device().create_texture(&wgpu::TextureDescriptor {
+        label: None,
+        size,
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+        view_formats: &[],
+    });
+    let target = texture.create_view(&wgpu::TextureViewDescriptor::default());
+    let options = RenderOptions::default();
+    Renderer::new(&gpu).draw(&target, format, &mesh, &view, &options).unwrap();
+    // A row of 128 pixels is 512 bytes, so that rows need no padding.
+    let copy = gpu.device().create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: u64::from(width * height * 4),
+        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+        mapped_at_creation: false,
+    });
+    let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(width * 4), rows_per_image: None };
+    let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    encoder.copy_texture_to_buffer(texture.as_image_copy(), wgpu::TexelCopyBufferInfo { buffer: &copy, layout }, size);
+    gpu.queue().submit([encoder.finish()]);
+    copy.map_async(wgpu::MapMode::Read, .., |result| result.unwrap());
+    gpu.device().poll(wgpu::PollType::wait_indefinitely()).unwrap();
+    let drawn = RgbaImage::from_raw(width, height, copy.get_mapped_range(..).unwrap().to_vec()).unwrap();
+    let reference = software::render_to_image(mesh.buffers(), &view, &options).unwrap();
+    assert!(mean_difference(&drawn, &reference) < 1.0);
+}
+
+#[test]
+fn sizes_that_cannot_be_drawn_and_empty_meshes_are_handled() {
+    let Some(gpu) = gpu() else { return };
+    let mut mesh = ResidentMesh::new(&gpu, DVec3::ZERO);
+    mesh.flush().unwrap();
+    let mut renderer = Renderer::new(&gpu);
+    let view = common::view_of(&common::hills(2, 10.0), DVec3::new(0.0, -1.0, 1.0), [8, 8]);
+    let options = RenderOptions { wireframe: Some(Wireframe::default()), ..RenderOptions::default() };
+    assert!(renderer.render_to_image(&mesh, &view, &options).is_ok());
+    let too_wide = yamanami_core::View { viewport_px: [1 << 20, 8], ..view };
+    let error = renderer.render_to_image(&mesh, &too_wide, &options).unwrap_err();
+    assert!(matches!(error, GpuError::PictureSize { .. }));
+}
+
+fn mean_difference(a: &RgbaImage, b: &RgbaImage) -> f64 {
+    assert_eq!(a.dimensions(), b.dimensions());
+    let sum: u64 = a.iter().zip(b.iter()).map(|(a, b)| u64::from(a.abs_diff(*b))).sum();
+    sum as f64 / a.len() as f64
+}
