@@ -1,1 +1,47 @@
-//! placeholder
+//! yamanami: raw survey data to multiresolution surfaces, and those to the screen, in a call each.
+//!
+//! ```no_run
+//! use yamanami::{Terrain, Criteria, OpenOptions};
+//! # fn main() -> Result<(), yamanami::Error> {
+//! let terrain = Terrain::open(&["fuji.tif".into()], &OpenOptions::default(), &|_| ())?;
+//! let criteria = Criteria { terrain_tolerance_m: 10.0, ..Criteria::default() };
+//! let extracted = yamanami::extract(&terrain, &criteria)?;
+//! println!("{} triangles within 10 m of every sample", extracted.mesh.triangles.len());
+//! # Ok(()) }
+//! ```
+#![forbid(unsafe_code)]
+
+mod bench;
+mod camera;
+mod canvas;
+mod data;
+mod error;
+mod extract;
+mod flight;
+mod flight_report;
+mod path;
+// mod reproduce;
+mod scene;
+mod terrain;
+mod yama;
+
+pub use bench::{measure_rate, triangles_at_rate};
+pub use camera::{overview, view_between};
+pub use canvas::{Canvas, DrawWith, Upload};
+pub use data::Data;
+pub use error::Error;
+pub use extract::{Extracted, Frame, extract, to_frame};
+pub use flight::{FlightMode, FlightOptions, FrameStats, Lod, fly};
+pub use flight_report::{FlightSummary, summary, write_flight_plots};
+pub use path::{CameraPath, orbit, read_path, valley_run, write_path};
+
+pub use scene::{Scene, Update};
+pub use terrain::{OpenOptions, Terrain};
+pub use yama::{StoreOptions, quantise};
+
+pub use yamanami_core as core;
+pub use yamanami_gpu as gpu;
+pub use yamanami_io as io;
+pub use yamanami_lod::{Controller, Criteria, FrameReport, Front, LimitedBy, PaperController, Staircase, Step, ViewCriterion};
+pub use yamanami_measure as measure;
+pub use yamanami_multires as multires;

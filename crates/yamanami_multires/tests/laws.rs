@@ -1,6 +1,6 @@
 //! The laws of the design page over the terrain quadtree: odd sizes, holes, and spacings from half a metre to 50 m.
 
-use yamanami_core::{Hierarchy, HeightSource};
+use yamanami_core::{HeightSource, Hierarchy, MeshMirror, Surface};
 use yamanami_multires::wavelet::{BuildOptions, GridData, TerrainSurface, build};
 use yamanami_testkit::laws::{Kind, closure_law_of, ends_law, error_law, hierarchy_law, surface_law};
 use yamanami_testkit::{Holes, Shape, Spacing, SyntheticTerrain};
@@ -79,4 +79,21 @@ fn node_numbers_run_from_coarse_to_fine() {
     let s = surface(&SyntheticTerrain::mountains(40, 29, 2));
     let levels: Vec<u32> = (0..s.node_bound()).map(|n| s.level(n)).collect();
     assert!(levels.is_sorted());
+}
+
+#[test]
+fn a_front_emitted_whole_is_the_front_reached_by_steps() {
+    for terrain in terrains() {
+        let s = surface(&terrain);
+        let active = |node: u32| s.error_m(node) > 8.0;
+        let mut by_steps = MeshMirror::default();
+        s.emit_base(&mut by_steps);
+        for node in (0..s.node_bound()).filter(|&n| s.exists(n) && active(n)) {
+            s.refine(node, &|n: u32| n < node && s.exists(n) && active(n), &mut by_steps);
+        }
+        let mut whole = MeshMirror::default();
+        s.emit_front(&active, &mut whole);
+        assert_eq!(whole.triangles, by_steps.triangles);
+        assert_eq!(whole.vertices, by_steps.vertices, "{:?}", terrain.size());
+    }
 }

@@ -61,7 +61,8 @@ pub fn build(field: HeightField, options: &BuildOptions<'_>) -> Result<TerrainSu
     }
     report(builder.lattice.levels());
     let bound_radius_m = builder.bound_radii_m();
-    let data = GridData { lattice: builder.lattice, heights_m: builder.heights_m, errors, holes: builder.holes };
+    let Builder { lattice, heights_m, holes, rounding_m, .. } = builder;
+    let data = GridData { lattice, heights_m, errors, holes, rounding_m };
     Ok(TerrainSurface::new(numbers, data, geo, bound_radius_m))
 }
 

@@ -36,6 +36,8 @@ pub struct GridData {
     /// By level, row by row of its lattice; zero at points of a coarser level.
     pub(crate) errors: Vec<Vec<ErrorCode>>,
     pub(crate) holes: Option<Holes>,
+    /// What rounding may hide, metres.
+    pub(crate) rounding_m: f32,
 }
 
 impl GridData {
@@ -47,6 +49,11 @@ impl GridData {
     /// Error codes of a level's lattice points, row by row.
     pub fn errors(&self, level: u32) -> &[ErrorCode] {
         &self.errors[level as usize]
+    }
+
+    /// What was added to every error that is not zero, metres, since arithmetic in f32 may hide that much.
+    pub fn rounding_m(&self) -> f32 {
+        self.rounding_m
     }
 
     /// The lattice.

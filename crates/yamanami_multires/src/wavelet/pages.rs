@@ -40,6 +40,32 @@ impl PagedData {
         PageId { level: node.level, x: tile(node.x, nx), y: tile(node.y, ny) }
     }
 
+    /// The pages that must be in memory before a midpoint can be applied: its own and, on a border in a surface with
+    /// holes, those before it.
+    pub fn needed_pages(&self, node: LatticeNode) -> impl Iterator<Item = PageId> {
+        let own = self.page_of(node);
+        let before = |tile: u32, k: u32| if self.has_holes && k.is_multiple_of(PAGE_CELLS) { tile.saturating_sub(1) } else { tile };
+        let (x, y) = (before(own.x, node.x), before(own.y, node.y));
+        (y..=own.y).flat_map(move |y| (x..=own.x).map(move |x| PageId { x, y, ..own }))
+    }
+
+    /// Bytes of the pages in memory.
+    pub fn resident_bytes(&self) -> usize {
+        self.resident().map(|id| self.page_bytes(id)).sum()
+    }
+
+    /// Bytes of a page in memory.
+    pub fn page_bytes(&self, id: PageId) -> usize {
+        self.page(id).map_or(0, |page| page.heights_m.len() * 4 + page.errors.len() * 2 + page.shown.len())
+    }
+
+    /// All pages of a level.
+    pub fn pages_of_level(&self, level: u32) -> impl Iterator<Item = PageId> {
+        let columns = self.columns[level as usize];
+        let rows = self.pages[level as usize].len() as u32 / columns;
+        (0..rows).flat_map(move |y| (0..columns).map(move |x| PageId { level, x, y }))
+    }
+
     /// Adds a page; one that is there already stays.
     pub fn insert(&self, page: Arc<TerrainPage>) {
         let slot = self.slot(page.id);
@@ -140,13 +166,7 @@ impl TerrainData for PagedData {
 
     #[inline]
     fn is_resident(&self, node: LatticeNode) -> bool {
-        if !self.has_holes {
-            return self.page(self.page_of(node)).is_some();
-        }
         // with holes, applying a midpoint asks about both triangles at its edge and their children's squares
-        let first = self.page_of(node);
-        let before = |tile: u32, k: u32| if k.is_multiple_of(PAGE_CELLS) { tile.saturating_sub(1) } else { tile };
-        let (x, y) = (before(first.x, node.x), before(first.y, node.y));
-        (y..=first.y).all(|y| (x..=first.x).all(|x| self.page(PageId { x, y, ..first }).is_some()))
+        self.needed_pages(node).all(|id| self.page(id).is_some())
     }
 }

@@ -1,0 +1,133 @@
+//! Where a front is drawn: on the GPU, or by the software twin where there is none.
+
+use crate::Error;
+use glam::DVec3;
+use image::RgbaImage;
+use yamanami_core::{Sink, View};
+use yamanami_gpu::{Gpu, RenderOptions, Renderer, ResidentBuffers, ResidentMesh, software};
+
+/// A resident mesh with something to draw it.
+#[derive(Debug)]
+pub enum Canvas {
+    /// Persistent GPU buffers.
+    Gpu {
+        /// The mesh.
+        mesh: Box<ResidentMesh>,
+        /// What draws it.
+        renderer: Box<Renderer>,
+    },
+    /// The same buffers in memory, drawn by the processor.
+    Software(Box<ResidentBuffers>),
+}
+
+/// Who draws.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum DrawWith {
+    /// A GPU; where there is none, or only a processor that plays one, the software twin.
+    #[default]
+    Auto,
+    /// Whatever adapter there is; an error where there is none.
+    Gpu,
+    /// The software twin.
+    Software,
+}
+
+/// What bringing a change to where it is drawn cost.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Upload {
+    /// Bytes written.
+    pub bytes: u64,
+    /// Separate ranges written.
+    pub writes: u64,
+}
+
+impl Canvas {
+    /// An empty canvas; positions are kept relative to `origin`, metres.
+    pub fn new(origin: DVec3, with: DrawWith) -> Result<Self, Error> {
+        let gpu = match with {
+            DrawWith::Auto => Gpu::headless().ok().filter(|gpu| !gpu.is_processor()),
+            DrawWith::Gpu => Some(Gpu::headless()?),
+            DrawWith::Software => None,
+        };
+        Ok(match gpu {
+            Some(gpu) => Self::on_gpu(&gpu, origin),
+            None => Self::Software(Box::new(ResidentBuffers::new(origin))),
+        })
+    }
+
+    /// On this GPU.
+    pub fn on_gpu(gpu: &Gpu, origin: DVec3) -> Self {
+        Self::Gpu { mesh: Box::new(ResidentMesh::new(gpu, origin)), renderer: Box::new(Renderer::new(gpu)) }
+    }
+
+    /// What draws: `gpu` or `software`.
+    pub fn description(&self) -> &'static str {
+        match self {
+            Self::Gpu { .. } => "gpu",
+            Self::Software(_) => "software",
+        }
+    }
+
+    /// The sink for deltas.
+    pub fn sink(&mut self) -> &mut dyn Sink {
+        match self {
+            Self::Gpu { mesh, .. } => &mut **mesh,
+            Self::Software(buffers) => &mut **buffers,
+        }
+    }
+
+    /// The buffers as they are in memory.
+    pub fn buffers(&self) -> &ResidentBuffers {
+        match self {
+            Self::Gpu { mesh, .. } => mesh.buffers(),
+            Self::Software(buffers) => buffers,
+        }
+    }
+
+    /// Forgets the mesh.
+    pub fn clear(&mut self) {
+        match self {
+            Self::Gpu { mesh, .. } => mesh.clear(),
+            Self::Software(buffers) => buffers.clear(),
+        }
+    }
+
+    /// Writes what changed; in software nothing need be written, but is counted as if.
+    pub fn flush(&mut self) -> Result<Upload, Error> {
+        match self {
+            Self::Gpu { mesh, .. } => {
+                let stats = mesh.flush()?;
+                Ok(Upload { bytes: stats.total_bytes(), writes: stats.writes })
+            }
+            Self::Software(buffers) => {
+                let dirty = buffers.take_dirty(0);
+                Ok(Upload {
+                    bytes: dirty.vertex_bytes() + dirty.index_bytes(),
+                    writes: (dirty.vertices.len() + dirty.triangles.len()) as u64,
+                })
+            }
+        }
+    }
+
+    /// Writes everything.
+    pub fn upload_all(&mut self) -> Result<Upload, Error> {
+        match self {
+            Self::Gpu { mesh, .. } => {
+                let stats = mesh.upload_all()?;
+                Ok(Upload { bytes: stats.total_bytes(), writes: stats.writes })
+            }
+            Self::Software(buffers) => {
+                buffers.mark_all();
+                self.flush()
+            }
+        }
+    }
+
+    /// Draws the mesh as last flushed.
+    pub fn draw(&mut self, view: &View, options: &RenderOptions) -> Result<RgbaImage, Error> {
+        match self {
+            Self::Gpu { mesh, renderer } => Ok(renderer.render_to_image(mesh, view, options)?),
+            Self::Software(buffers) => Ok(software::render_to_image(buffers, view, options)?),
+        }
+    }
+}

@@ -1,0 +1,143 @@
+//! A terrain on a canvas: the front follows the view, and the mesh follows the front.
+
+use crate::{Canvas, Controller, Criteria, Error, FrameReport, PaperController, Staircase, Step, Terrain, Upload};
+use image::RgbaImage;
+use std::time::{Duration, Instant};
+use yamanami_core::{ActiveSet, Surface, View};
+use yamanami_gpu::{Morph, RenderOptions};
+use yamanami_lod::Front;
+
+/// Most pages read from a database between two frames.
+const PAGES_PER_FRAME: usize = 64;
+
+/// Which control moves the front.
+#[derive(Debug, Clone)]
+enum Control {
+    Exact(Box<Controller>),
+    Paper(Box<PaperController>),
+}
+
+/// What an update of a scene cost.
+#[derive(Debug, Clone)]
+pub struct Update {
+    /// What the controller did.
+    pub report: FrameReport,
+    /// Time to find the new front and bring the mesh in memory to it.
+    pub update_time: Duration,
+    /// Time to write the change to the GPU.
+    pub upload_time: Duration,
+    /// What was written.
+    pub upload: Upload,
+    /// Pages read from the database.
+    pub pages: usize,
+}
+
+/// A terrain being shown.
+#[derive(Debug)]
+pub struct Scene {
+    control: Control,
+    canvas: Canvas,
+    /// Most bytes of pages kept in memory.
+    pub memory_bytes: usize,
+}
+
+impl Scene {
+    /// Shows the base mesh; the exact controller moves the front.
+    pub fn new(terrain: &Terrain, canvas: Canvas) -> Self {
+        let control = Control::Exact(Box::new(Controller::new(terrain.surface())));
+        Self::start(terrain, canvas, control)
+    }
+
+    /// Shows the base mesh; the paper's staircase moves the front.
+    pub fn with_staircase(terrain: &Terrain, canvas: Canvas, staircase: Staircase) -> Self {
+        let control = Control::Paper(Box::new(PaperController::new(terrain.surface(), staircase)));
+        Self::start(terrain, canvas, control)
+    }
+
+    fn start(terrain: &Terrain, mut canvas: Canvas, control: Control) -> Self {
+        canvas.clear();
+        terrain.surface().emit_base(canvas.sink());
+        Self { control, canvas, memory_bytes: 512 << 20 }
+    }
+
+    /// What is shown.
+    pub fn front(&self) -> &Front {
+        match &self.control {
+            Control::Exact(c) => c.front(),
+            Control::Paper(c) => c.front(),
+        }
+    }
+
+    /// Where it is drawn.
+    pub fn canvas(&self) -> &Canvas {
+        &self.canvas
+    }
+
+    /// Moves the front to the criteria and the mesh with it, by differences. Absent pages are read once, and the front
+    /// goes on with them in the same update.
+    pub fn update(&mut self, terrain: &mut Terrain, criteria: &Criteria) -> Result<Update, Error> {
+        let started = Instant::now();
+        let mut report = self.step(terrain, criteria);
+        let pages = terrain.load(&report.wanted, PAGES_PER_FRAME)?;
+        if pages > 0 {
+            let first = report;
+            report = self.step(terrain, criteria);
+            report.refined += first.refined;
+            report.coarsened += first.coarsened;
+            report.weighed += first.weighed;
+            let front = match &self.control {
+                Control::Exact(c) => c.front(),
+                Control::Paper(c) => c.front(),
+            };
+            terrain.shrink(self.memory_bytes, |node| front.is_active(node));
+        }
+        let update_time = started.elapsed();
+        let started = Instant::now();
+        let upload = self.canvas.flush()?;
+        Ok(Update { report, update_time, upload_time: started.elapsed(), upload, pages })
+    }
+
+    fn step(&mut self, terrain: &Terrain, criteria: &Criteria) -> FrameReport {
+        let surface = terrain.surface();
+        let sink = self.canvas.sink();
+        let apply = |step: Step, front: &Front| match step {
+            Step::Refine(node) => surface.refine(node, front, sink),
+            Step::Coarsen(node) => surface.coarsen(node, front, sink),
+        };
+        match &mut self.control {
+            Control::Exact(c) => c.update(surface, criteria, apply),
+            Control::Paper(c) => c.update(surface, criteria, apply),
+        }
+    }
+
+    /// The same front as [`Self::update`], meshed and uploaded from nothing, as a program without differences would. Only
+    /// that is timed: finding the front is not, which favours the rebuild in comparisons.
+    pub fn rebuild(&mut self, terrain: &Terrain, criteria: &Criteria) -> Result<Update, Error> {
+        let surface = terrain.surface();
+        let report = match &mut self.control {
+            Control::Exact(c) => c.update(surface, criteria, |_, _| ()),
+            Control::Paper(c) => c.update(surface, criteria, |_, _| ()),
+        };
+        let started = Instant::now();
+        self.canvas.clear();
+        let front = match &self.control {
+            Control::Exact(c) => c.front(),
+            Control::Paper(c) => c.front(),
+        };
+        surface.emit_front(front, self.canvas.sink());
+        let update_time = started.elapsed();
+        let started = Instant::now();
+        let upload = self.canvas.upload_all()?;
+        Ok(Update { report, update_time, upload_time: started.elapsed(), upload, pages: 0 })
+    }
+
+    /// Draws what is shown.
+    pub fn draw(&mut self, view: &View, options: &RenderOptions) -> Result<RgbaImage, Error> {
+        self.canvas.draw(view, options)
+    }
+}
+
+/// Geomorphing that suits an update: details fade in between the threshold in force and half as much again.
+pub(crate) fn morph_of(report: &FrameReport) -> Morph {
+    Morph { tau_px: report.threshold, width: 0.5 }
+}
