@@ -1,1 +1,12 @@
-//! placeholder
+//! File formats in and out, and the surface database.
+//!
+//! [`dem`] reads elevation grids, [`mesh_file`] reads and writes meshes, [`store`] is the surface database; [`crs`]
+//! knows coordinate reference systems by EPSG code.
+
+pub mod crs;
+pub mod dem;
+mod error;
+pub mod mesh_file;
+pub mod store;
+
+pub use error::IoError;

@@ -1,0 +1,30 @@
+//! A file that appears whole or not at all.
+
+use crate::IoError;
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+/// Writes beside the path (`name.part`), makes sure of the bytes and only then takes the name. On failure nothing is
+/// left behind, and an old file keeps its content.
+pub(super) fn write(
+    path: &Path,
+    content: impl FnOnce(&mut BufWriter<File>) -> std::io::Result<()>,
+) -> Result<(), IoError> {
+    let mut part = path.as_os_str().to_owned();
+    part.push(".part");
+    let part = PathBuf::from(part);
+    let written = File::create(&part).and_then(|file| {
+        let mut out = BufWriter::with_capacity(1 << 18, file);
+        content(&mut out)?;
+        out.flush()?;
+        out.get_ref().sync_all()
+    });
+    let named = written.and_then(|()| std::fs::rename(&part, path));
+    if let Err(e) = named {
+        // the first failure is the one to report; the remnant may not even exist
+        let _ = std::fs::remove_file(&part);
+        return Err(IoError::io(path, e));
+    }
+    Ok(())
+}

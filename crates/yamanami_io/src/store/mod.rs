@@ -1,0 +1,28 @@
+//! The surface database: one `.yama` file that holds a terrain at every level of detail.
+//!
+//! An SQLite file (documented byte by byte in `docs/format.md`): facts, pages as blobs, and an R*Tree of their boxes. Each
+//! height is stored once, on the level where its point first appears, as the small difference from what the coarser
+//! level foretells; so any level can be read without the finer ones, and any page with one page a level above it.
+//!
+//! [`TerrainWriter`] writes a file, [`TerrainStore`] reads one, [`PageCodec`] turns single pages into bytes and back.
+
+mod bits;
+mod cache;
+mod errors;
+mod family;
+mod heights;
+mod meta;
+mod model;
+mod page;
+mod quantum;
+mod rans;
+mod reader;
+mod schema;
+mod shown;
+mod writer;
+
+pub use meta::TerrainMeta;
+pub use page::{EncodedPage, PageCodec};
+pub use quantum::{Quantum, QuantumFinder};
+pub use reader::TerrainStore;
+pub use writer::TerrainWriter;

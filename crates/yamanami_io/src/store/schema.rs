@@ -1,0 +1,187 @@
+//! The tables of a `.yama` file, and the facts of a surface as rows of one of them.
+
+use super::meta::TerrainMeta;
+use super::quantum::Quantum;
+use rusqlite::types::{Value, ValueRef};
+use rusqlite::{Connection, params};
+use yamanami_core::{Crs, GeoReference, PageId};
+
+/// "YAMA": bytes 68 to 71 of the file.
+pub(super) const APPLICATION_ID: u32 = 0x5941_4D41;
+/// Version of the format: bytes 60 to 63 of the file; 0 while it is being written.
+pub(super) const FORMAT_VERSION: u32 = 1;
+/// Bytes of a database page: small, since every page blob leaves one partly empty.
+pub(super) const DB_PAGE_BYTES: u32 = 512;
+
+/// Names and statements of everything in the file; a reader insists on exactly these.
+pub(super) const TABLES: [(&str, &str); 4] = [
+    ("meta", "CREATE TABLE meta(key TEXT PRIMARY KEY, value) WITHOUT ROWID"),
+    ("level", "CREATE TABLE level(level INTEGER PRIMARY KEY, pages INTEGER NOT NULL, bound_radius_m REAL)"),
+    ("page", "CREATE TABLE page(id INTEGER PRIMARY KEY, crc32 INTEGER NOT NULL, data BLOB NOT NULL)"),
+    (
+        "page_bounds",
+        "CREATE VIRTUAL TABLE page_bounds USING rtree(id, x_min_m, x_max_m, y_min_m, y_max_m, z_min_m, z_max_m)",
+    ),
+];
+
+/// Row number of a page: coarse levels first, then by rows.
+pub(super) fn row_id(id: PageId) -> i64 {
+    i64::from(63 - id.level) << 48 | i64::from(id.y) << 24 | i64::from(id.x)
+}
+
+/// The page of a row number.
+pub(super) fn page_id(row: i64) -> Option<PageId> {
+    let field = |shift: u32| (row >> shift & 0xFF_FFFF) as u32;
+    let level = 63u32.checked_sub(u32::try_from(row >> 48).ok()?)?;
+    Some(PageId { level, x: field(0), y: field(24) })
+}
+
+/// Checksum of a page: CRC-32 of its row number (8 bytes, little-endian) and its bytes.
+pub(super) fn page_crc32(id: PageId, bytes: &[u8]) -> u32 {
+    let mut hasher = crc32fast::Hasher::new();
+    hasher.update(&row_id(id).to_le_bytes());
+    hasher.update(bytes);
+    hasher.finalize()
+}
+
+/// Writes the facts.
+pub(super) fn write_meta(db: &Connection, meta: &TerrainMeta) -> rusqlite::Result<()> {
+    let mut insert = db.prepare("INSERT INTO meta(key, value) VALUES(?1, ?2)")?;
+    let mut put = |key: &str, value: Value| insert.execute(params![key, value]).map(|_| ());
+    let geo = &meta.geo;
+    put("kind", Value::Text("terrain".into()))?;
+    put("title", Value::Text(meta.title.clone()))?;
+    put("source", Value::Text(meta.source.clone()))?;
+    put("columns", Value::Integer(meta.size[0].into()))?;
+    put("rows", Value::Integer(meta.size[1].into()))?;
+    put("crs_epsg", geo.crs.epsg.map_or(Value::Null, |code| Value::Integer(code.into())))?;
+    put("crs_name", Value::Text(geo.crs.name.clone()))?;
+    put("crs_geographic", Value::Integer(geo.crs.geographic.into()))?;
+    put("crs_web_mercator", Value::Integer(geo.crs.web_mercator.into()))?;
+    put("origin_x", Value::Real(geo.origin[0]))?;
+    put("origin_y", Value::Real(geo.origin[1]))?;
+    put("step_x", Value::Real(geo.step[0]))?;
+    put("step_y", Value::Real(geo.step[1]))?;
+    put("step_x_m", Value::Real(geo.step_m[0]))?;
+    put("step_y_m", Value::Real(geo.step_m[1]))?;
+    put("height_min_m", Value::Real(meta.height_range_m[0].into()))?;
+    put("height_max_m", Value::Real(meta.height_range_m[1].into()))?;
+    put("has_holes", Value::Integer(meta.has_holes.into()))?;
+    put("max_error_m", Value::Real(meta.max_error_m))?;
+    put("error_steps_per_octave", Value::Integer(meta.error_steps_per_octave.into()))?;
+    put("level0_slack_m", Value::Real(meta.level0_slack_m.into()))?;
+    let (name, value) = match meta.quantum {
+        Quantum::PerMetre(n) => ("per_metre", Value::Integer(n.into())),
+        Quantum::Step(step_m) => ("step_m", Value::Real(step_m)),
+        Quantum::Bits => ("bits", Value::Null),
+    };
+    put("quantum", Value::Text(name.into()))?;
+    put("quantum_value", value)
+}
+
+/// Reads the facts (all but the bound radii); an inner error says what is missing or wrong.
+pub(super) fn read_meta(db: &Connection) -> rusqlite::Result<Result<TerrainMeta, String>> {
+    let mut facts = std::collections::BTreeMap::new();
+    let mut select = db.prepare("SELECT key, value FROM meta LIMIT 1000")?;
+    let mut rows = select.query([])?;
+    while let Some(row) = rows.next()? {
+        let key = match row.get_ref(0)? {
+            ValueRef::Text(text) => String::from_utf8_lossy(text).into_owned(),
+            other => return Ok(Err(format!("a key that is {}", other.data_type()))),
+        };
+        facts.insert(key, row.get::<_, Value>(1)?);
+    }
+    Ok(Facts(facts).terrain())
+}
+
+struct Facts(std::collections::BTreeMap<String, Value>);
+
+impl Facts {
+    fn wrong(&self, key: &str) -> String {
+        match self.0.get(key) {
+            None => format!("no `{key}`"),
+            Some(value) => format!("`{key}` = {value:?}"),
+        }
+    }
+
+    fn integer<T: TryFrom<i64>>(&self, key: &str) -> Result<T, String> {
+        let value = if let Some(Value::Integer(v)) = self.0.get(key) { T::try_from(*v).ok() } else { None };
+        value.ok_or_else(|| self.wrong(key))
+    }
+
+    fn real(&self, key: &str) -> Result<f64, String> {
+        match self.0.get(key) {
+            Some(Value::Real(v)) => Ok(*v),
+            _ => Err(self.wrong(key)),
+        }
+    }
+
+    fn text(&self, key: &str) -> Result<String, String> {
+        match self.0.get(key) {
+            Some(Value::Text(text)) => Ok(text.clone()),
+            _ => Err(self.wrong(key)),
+        }
+    }
+
+    fn flag(&self, key: &str) -> Result<bool, String> {
+        match self.0.get(key) {
+            Some(Value::Integer(v @ 0..=1)) => Ok(*v == 1),
+            _ => Err(self.wrong(key)),
+        }
+    }
+
+    fn terrain(&self) -> Result<TerrainMeta, String> {
+        if self.text("kind")? != "terrain" {
+            return Err(self.wrong("kind"));
+        }
+        let epsg = match self.0.get("crs_epsg") {
+            Some(Value::Null) => None,
+            _ => Some(self.integer("crs_epsg")?),
+        };
+        let crs = Crs {
+            epsg,
+            geographic: self.flag("crs_geographic")?,
+            web_mercator: self.flag("crs_web_mercator")?,
+            name: self.text("crs_name")?,
+        };
+        let geo = GeoReference {
+            crs,
+            origin: [self.real("origin_x")?, self.real("origin_y")?],
+            step: [self.real("step_x")?, self.real("step_y")?],
+            step_m: [self.real("step_x_m")?, self.real("step_y_m")?],
+        };
+        let quantum = match self.text("quantum")?.as_str() {
+            "per_metre" => Quantum::PerMetre(self.integer("quantum_value")?),
+            "step_m" => Quantum::Step(self.real("quantum_value")?),
+            "bits" => Quantum::Bits,
+            _ => return Err(self.wrong("quantum")),
+        };
+        Ok(TerrainMeta {
+            geo,
+            size: [self.integer("columns")?, self.integer("rows")?],
+            height_range_m: [self.real("height_min_m")? as f32, self.real("height_max_m")? as f32],
+            bound_radius_m: Vec::new(),
+            has_holes: self.flag("has_holes")?,
+            max_error_m: self.real("max_error_m")?,
+            quantum,
+            error_steps_per_octave: self.integer("error_steps_per_octave")?,
+            level0_slack_m: self.real("level0_slack_m")? as f32,
+            title: self.text("title")?,
+            source: self.text("source")?,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn row_numbers_go_from_coarse_to_fine_and_back() {
+        let ids = [(30, 0, 0), (3, 5, 0), (3, 0, 1), (0, 0xFF_FFFF, 2), (0, 0, 3)];
+        let ids = ids.map(|(level, x, y)| PageId { level, x, y });
+        assert!(ids.windows(2).all(|w| row_id(w[0]) < row_id(w[1])));
+        assert!(ids.iter().all(|&id| page_id(row_id(id)) == Some(id)));
+        assert_eq!(page_id(-1), None);
+    }
+}
