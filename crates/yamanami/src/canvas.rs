@@ -4,7 +4,7 @@ use crate::Error;
 use glam::DVec3;
 use image::RgbaImage;
 use yamanami_core::{Sink, View};
-use yamanami_gpu::{Gpu, RenderOptions, Renderer, ResidentBuffers, ResidentMesh, software};
+use yamanami_gpu::{Gpu, RenderOptions, Renderer, ResidentBuffers, ResidentMesh, software, wgpu};
 
 /// A resident mesh with something to draw it.
 #[derive(Debug)]
@@ -128,6 +128,21 @@ impl Canvas {
         match self {
             Self::Gpu { mesh, renderer } => Ok(renderer.render_to_image(mesh, view, options)?),
             Self::Software(buffers) => Ok(software::render_to_image(buffers, view, options)?),
+        }
+    }
+
+    /// Draws the mesh as last flushed on a texture view of the view's size and of this format, for programs with a window of
+    /// their own. The canvas is on the texture's GPU.
+    pub fn draw_on(
+        &mut self,
+        target: &wgpu::TextureView,
+        format: wgpu::TextureFormat,
+        view: &View,
+        options: &RenderOptions,
+    ) -> Result<(), Error> {
+        match self {
+            Self::Gpu { mesh, renderer } => Ok(renderer.draw(target, format, mesh, view, options)?),
+            Self::Software(_) => Err(Error::Request("a canvas in memory cannot draw on a texture".to_owned())),
         }
     }
 }

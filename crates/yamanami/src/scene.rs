@@ -1,10 +1,10 @@
 //! A terrain on a canvas: the front follows the view, and the mesh follows the front.
 
-use crate::{Canvas, Controller, Criteria, Error, FrameReport, PaperController, Staircase, Step, Terrain, Upload};
+use crate::{Canvas, Controller, Criteria, Error, FrameReport, Lod, PaperController, Staircase, Step, Terrain, Upload};
 use image::RgbaImage;
 use std::time::{Duration, Instant};
 use yamanami_core::{ActiveSet, Surface, View};
-use yamanami_gpu::{Morph, RenderOptions};
+use yamanami_gpu::{Morph, RenderOptions, wgpu};
 use yamanami_lod::Front;
 
 /// Most pages read from a database between two frames.
@@ -58,6 +58,24 @@ impl Scene {
         canvas.clear();
         terrain.surface().emit_base(canvas.sink());
         Self { control, canvas, memory_bytes: 512 << 20 }
+    }
+
+    /// Goes back to the base mesh and goes on with this control, on the same canvas.
+    pub fn restart(&mut self, terrain: &Terrain, lod: &Lod) {
+        self.control = match lod {
+            Lod::Exact => Control::Exact(Box::new(Controller::new(terrain.surface()))),
+            Lod::Paper(staircase) => Control::Paper(Box::new(PaperController::new(terrain.surface(), staircase.clone()))),
+        };
+        self.canvas.clear();
+        terrain.surface().emit_base(self.canvas.sink());
+    }
+
+    /// The paper's staircase as its feedback has moved it; `None` with the exact controller.
+    pub fn staircase(&self) -> Option<&Staircase> {
+        match &self.control {
+            Control::Exact(_) => None,
+            Control::Paper(c) => Some(c.staircase()),
+        }
     }
 
     /// What is shown.
@@ -134,6 +152,17 @@ impl Scene {
     /// Draws what is shown.
     pub fn draw(&mut self, view: &View, options: &RenderOptions) -> Result<RgbaImage, Error> {
         self.canvas.draw(view, options)
+    }
+
+    /// Draws what is shown on a texture view of the view's size; see [`Canvas::draw_on`].
+    pub fn draw_on(
+        &mut self,
+        target: &wgpu::TextureView,
+        format: wgpu::TextureFormat,
+        view: &View,
+        options: &RenderOptions,
+    ) -> Result<(), Error> {
+        self.canvas.draw_on(target, format, view, options)
     }
 }
 

@@ -89,6 +89,12 @@ pub trait Hierarchy {
     /// Holds all that this node and its descendants change.
     fn bound(&self, node: NodeId) -> Sphere;
 
+    /// Error and bound in one: what a controller asks most.
+    #[inline]
+    fn error_and_bound(&self, node: NodeId) -> (f32, Sphere) {
+        (self.error_m(node), self.bound(node))
+    }
+
     /// Triangles that applying this node to the parent-closed set `active` (without it) adds, exactly. Where a hole
     /// becomes sharper this may be negative.
     fn triangles_added(&self, node: NodeId, active: &dyn ActiveSet) -> i32;

@@ -6,7 +6,7 @@
 //! until the clock, which runs as fast as the fastest of the three, has used that margin up. Woken nodes alone are
 //! weighed. The threshold itself moves in the same way, so the result is the same as weighing every node.
 
-use crate::criteria::Scale;
+use crate::criteria::{Scale, Seen};
 use crate::oracle::Ranked;
 use crate::wheel::Wheel;
 use crate::{Criteria, Front, Step};
@@ -56,6 +56,13 @@ struct Rates {
     threshold: f64,
 }
 
+/// A node in this frame's queues, with the place of what was seen of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Weighed {
+    rank: Ranked,
+    seen: u32,
+}
+
 /// Movement below this a frame is no movement.
 const LEAST_RATES: Rates = Rates { eye_m: 1e-3, turn_rad: 1e-6, threshold: 1e-6 };
 
@@ -96,8 +103,10 @@ pub struct Controller {
     /// Sleeping leaves are above this, sleeping open nodes are not.
     threshold: f32,
     /// This frame's weighed nodes.
-    open: BinaryHeap<Ranked>,
-    leaves: BinaryHeap<Reverse<Ranked>>,
+    open: BinaryHeap<Weighed>,
+    leaves: BinaryHeap<Reverse<Weighed>>,
+    /// What was seen of them.
+    seen: Vec<Seen>,
     /// Movement per frame, smoothed.
     average: Rates,
     /// How far the threshold has moved this frame, and did in the last, forth and back.
@@ -122,6 +131,7 @@ impl Controller {
             threshold: f32::MAX,
             open: BinaryHeap::new(),
             leaves: BinaryHeap::new(),
+            seen: Vec::new(),
             average: Rates { eye_m: 0.0, turn_rad: 0.0, threshold: 0.0 },
             threshold_moved: 0.0,
             threshold_moved_last: 0.0,
@@ -141,13 +151,12 @@ impl Controller {
     /// Moves the front to what `criteria` ask for. `on_step` hears of each step just before it is taken, with the front
     /// as it is then; each prefix of the steps leads to a legal front.
     pub fn update<H: Hierarchy>(&mut self, hierarchy: &H, criteria: &Criteria, mut on_step: impl FnMut(Step, &Front)) -> FrameReport {
-        self.weighed = 0;
         self.wanted.clear();
         let scale = criteria.scale();
         self.threshold_moved = 0.0;
         self.wake(hierarchy, criteria, &scale);
         let mut report = self.settle(hierarchy, criteria, &scale, &mut on_step);
-        self.sleep(hierarchy, criteria, &scale);
+        self.sleep(criteria, &scale);
         self.threshold_moved_last = self.threshold_moved;
         report.weighed = self.weighed;
         report.wanted = std::mem::take(&mut self.wanted);
@@ -179,11 +188,12 @@ impl Controller {
         for &root in &seen {
             self.front.state_mut(root).hot = false;
         }
+        let mut border = Vec::new();
         // walk the front; a node is reached through its last parent only
         while let Some(node) = seen.pop() {
             if self.front.is_active(node) {
                 if self.front.is_leaf(node) {
-                    self.weigh_leaf(hierarchy, scale, node);
+                    border.push(node);
                 }
                 for &c in hierarchy.children(node).iter() {
                     if hierarchy.parents(c).iter().max() == Some(&node) {
@@ -191,9 +201,10 @@ impl Controller {
                     }
                 }
             } else if self.front.is_open(node) {
-                self.weigh_open(hierarchy, scale, node);
+                border.push(node);
             }
         }
+        self.weigh_border(hierarchy, scale, border.into_iter());
     }
 
     fn advance<H: Hierarchy>(&mut self, hierarchy: &H, scale: &Scale, units: f64) {
@@ -205,38 +216,47 @@ impl Controller {
                 woken.push(node);
             }
         });
-        for node in woken.drain(..) {
-            if self.front.state(node).hot {
-                continue;
-            }
-            if self.front.is_leaf(node) {
-                self.weigh_leaf(hierarchy, scale, node);
-            } else if self.front.is_open(node) {
-                self.weigh_open(hierarchy, scale, node);
-            }
-        }
+        self.weigh_border(hierarchy, scale, woken.drain(..));
         self.woken = woken;
     }
 
-    fn weigh_open<H: Hierarchy>(&mut self, hierarchy: &H, scale: &Scale, node: NodeId) {
-        self.weighed += 1;
+    /// Weighs many nodes and queues those that are still on the border: faster than one by one.
+    fn weigh_border<H: Hierarchy>(&mut self, hierarchy: &H, scale: &Scale, nodes: impl Iterator<Item = NodeId>) {
+        let (mut open, mut leaves) = (Vec::new(), Vec::new());
+        for node in nodes {
+            if self.front.is_leaf(node) {
+                leaves.push(Reverse(self.weigh(hierarchy, scale, node)));
+            } else if self.front.is_open(node) {
+                open.push(self.weigh(hierarchy, scale, node));
+            }
+        }
+        self.open.append(&mut open.into());
+        self.leaves.append(&mut leaves.into());
+    }
+
+    fn weigh<H: Hierarchy>(&mut self, hierarchy: &H, scale: &Scale, node: NodeId) -> Weighed {
         self.front.state_mut(node).hot = true;
-        let priority = scale.priority(hierarchy.error_m(node), hierarchy.bound(node));
-        self.open.push(Ranked { priority, node });
+        let (error_m, bound) = hierarchy.error_and_bound(node);
+        let seen = scale.weigh(error_m, bound);
+        self.seen.push(seen);
+        Weighed { rank: Ranked { priority: seen.priority, node }, seen: self.seen.len() as u32 - 1 }
+    }
+
+    fn weigh_open<H: Hierarchy>(&mut self, hierarchy: &H, scale: &Scale, node: NodeId) {
+        let weighed = self.weigh(hierarchy, scale, node);
+        self.open.push(weighed);
     }
 
     fn weigh_leaf<H: Hierarchy>(&mut self, hierarchy: &H, scale: &Scale, node: NodeId) {
-        self.weighed += 1;
-        self.front.state_mut(node).hot = true;
-        let priority = scale.priority(hierarchy.error_m(node), hierarchy.bound(node));
-        self.leaves.push(Reverse(Ranked { priority, node }));
+        let weighed = self.weigh(hierarchy, scale, node);
+        self.leaves.push(Reverse(weighed));
     }
 
     /// The best open node among the woken, once no sleeping one can be better; `None` when nothing is above the limit.
-    fn best_open<H: Hierarchy>(&mut self, hierarchy: &H, criteria: &Criteria, scale: &Scale) -> Option<Ranked> {
+    fn best_open<H: Hierarchy>(&mut self, hierarchy: &H, criteria: &Criteria, scale: &Scale) -> Option<Weighed> {
         let limit = criteria.threshold();
         loop {
-            while let Some(&top) = self.open.peek() {
+            while let Some(&Weighed { rank: top, .. }) = self.open.peek() {
                 let stale = !self.front.state(top.node).hot || !self.front.is_open(top.node);
                 if stale {
                     self.open.pop();
@@ -250,8 +270,8 @@ impl Controller {
                 }
                 break;
             }
-            let best = self.open.peek().copied().filter(|r| r.priority > limit);
-            let reach = best.map_or(limit, |r| r.priority);
+            let best = self.open.peek().copied().filter(|w| w.rank.priority > limit);
+            let reach = best.map_or(limit, |w| w.rank.priority);
             if reach >= self.threshold {
                 return best;
             }
@@ -263,7 +283,7 @@ impl Controller {
     fn worst_leaf<H: Hierarchy>(&mut self, hierarchy: &H, criteria: &Criteria, scale: &Scale, limit: f32) -> Option<Ranked> {
         let slack = 1.0 + criteria.hysteresis;
         loop {
-            while let Some(&Reverse(top)) = self.leaves.peek() {
+            while let Some(&Reverse(Weighed { rank: top, .. })) = self.leaves.peek() {
                 if self.front.state(top.node).hot && self.front.is_leaf(top.node) {
                     break;
                 }
@@ -272,7 +292,7 @@ impl Controller {
             let worst = self
                 .leaves
                 .peek()
-                .map(|&Reverse(r)| Ranked { priority: r.priority * slack, ..r })
+                .map(|&Reverse(Weighed { rank, .. })| Ranked { priority: rank.priority * slack, ..rank })
                 .filter(|r| r.priority <= limit);
             let reach = worst.map_or(limit, |r| r.priority);
             if reach <= self.threshold {
@@ -327,20 +347,20 @@ impl Controller {
                 limited_by = if self.wanted.is_empty() { LimitedBy::Tolerance } else { LimitedBy::Residency };
                 break;
             };
-            error_left = best.priority;
+            error_left = best.rank.priority;
             if !may_step {
                 limited_by = LimitedBy::Steps;
                 break;
             }
-            let added = hierarchy.triangles_added(best.node, &self.front);
+            let added = hierarchy.triangles_added(best.rank.node, &self.front);
             if triangles + i64::from(added) <= budget {
                 self.open.pop();
                 self.refine(hierarchy, scale, best, added, on_step);
                 refined += 1;
                 continue;
             }
-            match self.worst_leaf(hierarchy, criteria, scale, best.priority) {
-                Some(worst) if worst < best => {
+            match self.worst_leaf(hierarchy, criteria, scale, best.rank.priority) {
+                Some(worst) if worst < best.rank => {
                     self.coarsen(hierarchy, scale, worst.node, on_step);
                     coarsened += 1;
                 }
@@ -365,10 +385,10 @@ impl Controller {
         }
     }
 
-    fn refine<H: Hierarchy>(&mut self, hierarchy: &H, scale: &Scale, best: Ranked, added: i32, on_step: &mut impl FnMut(Step, &Front)) {
-        on_step(Step::Refine(best.node), &self.front);
+    fn refine<H: Hierarchy>(&mut self, hierarchy: &H, scale: &Scale, best: Weighed, added: i32, on_step: &mut impl FnMut(Step, &Front)) {
+        on_step(Step::Refine(best.rank.node), &self.front);
         let mut opened = std::mem::take(&mut self.woken);
-        self.front.refine(hierarchy, best.node, added, |_, node| opened.push(node));
+        self.front.refine(hierarchy, best.rank.node, added, |_, node| opened.push(node));
         for node in opened.drain(..) {
             self.weigh_open(hierarchy, scale, node);
         }
@@ -391,7 +411,7 @@ impl Controller {
     }
 
     /// Sets the alarms of all woken nodes.
-    fn sleep<H: Hierarchy>(&mut self, hierarchy: &H, criteria: &Criteria, scale: &Scale) {
+    fn sleep(&mut self, criteria: &Criteria, scale: &Scale) {
         if self.threshold >= f32::MAX {
             self.threshold = criteria.threshold();
         }
@@ -403,18 +423,20 @@ impl Controller {
         for &node in &wanted {
             self.set_alarm(node, 0.0);
         }
-        for ranked in open.drain() {
-            if self.front.state(ranked.node).hot && self.front.is_open(ranked.node) {
-                let margin = self.margin(hierarchy, scale, ranked, 1.0, false);
-                self.set_alarm(ranked.node, margin);
+        for weighed in open.drain() {
+            if self.front.state(weighed.rank.node).hot && self.front.is_open(weighed.rank.node) {
+                let margin = self.margin(scale, &self.seen[weighed.seen as usize], 1.0, false);
+                self.set_alarm(weighed.rank.node, margin);
             }
         }
-        for Reverse(ranked) in leaves.drain() {
-            if self.front.state(ranked.node).hot && self.front.is_leaf(ranked.node) {
-                let margin = self.margin(hierarchy, scale, ranked, slack, true);
-                self.set_alarm(ranked.node, margin);
+        for Reverse(weighed) in leaves.drain() {
+            if self.front.state(weighed.rank.node).hot && self.front.is_leaf(weighed.rank.node) {
+                let margin = self.margin(scale, &self.seen[weighed.seen as usize], slack, true);
+                self.set_alarm(weighed.rank.node, margin);
             }
         }
+        self.weighed = self.seen.len();
+        self.seen.clear();
         (self.open, self.leaves, self.wanted) = (open, leaves, wanted);
     }
 
@@ -426,39 +448,31 @@ impl Controller {
     }
 
     /// Units of the clock until a node may change sides of the threshold.
-    fn margin<H: Hierarchy>(&self, hierarchy: &H, scale: &Scale, ranked: Ranked, slack: f64, leaf: bool) -> f64 {
-        let threshold = f64::from(self.threshold);
-        let rates = &self.rates;
-        // at most this long, so that the threshold's change stays where its linear bound holds
-        let longest = 1.0 / rates.threshold;
-        let on_side = if leaf { f64::from(ranked.priority) * slack > threshold } else { f64::from(ranked.priority) <= threshold };
+    fn margin(&self, scale: &Scale, seen: &Seen, slack: f64, leaf: bool) -> f64 {
+        let (threshold, rates) = (f64::from(self.threshold), &self.rates);
+        let priority = f64::from(seen.priority) * slack;
+        let on_side = if leaf { priority > threshold } else { priority <= threshold };
         if !on_side {
             return 0.0;
         }
+        // at most this long, so that the threshold's change stays where its linear bound holds
+        let longest = 1.0 / rates.threshold;
         let Some(eye) = &scale.view else {
-            if ranked.priority <= 0.0 {
-                return longest;
-            }
-            return (f64::from(ranked.priority) * slack / threshold).ln().abs() * 0.999 / rates.threshold;
+            let ratio = if priority > 0.0 { (priority / threshold).ln().abs() } else { 1.0 };
+            return 0.999 * (ratio / rates.threshold).min(longest);
         };
-        let bound = hierarchy.bound(ranked.node);
-        let error_m = f64::from(hierarchy.error_m(ranked.node)) * slack;
-        let centre_m = (bound.centre - eye.view.eye).length();
         let mut margin = longest;
-        let mut visible = true;
-        if let Some(frustum) = &eye.frustum {
-            let side_m = frustum.margin_m(bound);
-            visible = side_m >= 0.0;
-            let side_m = side_m.abs();
-            margin = margin.min(side_m / (rates.eye_m + rates.turn_rad * (centre_m + side_m)));
+        if seen.side_m.is_finite() {
+            let off_m = seen.side_m.abs();
+            margin = margin.min(off_m / (rates.eye_m + rates.turn_rad * (seen.centre_m + off_m)));
         }
-        if visible && ranked.priority > 0.0 {
+        if seen.side_m >= 0.0 && seen.error_m > 0.0 {
             // shown while nearer than `reach_m`; the threshold moves that by up to e^v - 1 < 1.72 v of itself
-            let reach_m = error_m * eye.pixels_per_radian / threshold;
-            let off_m = (reach_m - (centre_m - bound.radius_m)).abs();
+            let reach_m = f64::from(seen.error_m) * slack * eye.pixels_per_radian / threshold;
+            let off_m = (reach_m - seen.surface_m).abs();
             margin = margin.min(off_m / (rates.eye_m + 1.72 * reach_m * rates.threshold));
         }
-        margin * 0.999
+        0.999 * margin
     }
 }
 

@@ -54,8 +54,7 @@ impl Criteria {
 
     pub(crate) fn scale(&self) -> Scale {
         Scale {
-            // without a view the tolerance is the threshold itself
-            terrain_tolerance_m: if self.view.is_some() { self.terrain_tolerance_m } else { 0.0 },
+            terrain_tolerance_m: self.terrain_tolerance_m,
             view: self.view.map(|v| Eye {
                 view: v.view,
                 pixels_per_radian: v.view.pixels_per_radian(),
@@ -65,19 +64,46 @@ impl Criteria {
     }
 }
 
+/// A node as seen in a frame: its priority and how far it is from changing sides.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Seen {
+    /// Error in pixels (metres without a view), 0 when the node need not be shown.
+    pub(crate) priority: f32,
+    pub(crate) error_m: f32,
+    /// Distance of the eye from the bound's centre and from its surface (negative inside), metres.
+    pub(crate) centre_m: f64,
+    pub(crate) surface_m: f64,
+    /// Signed distance to the side of the view: below 0 outside, infinite without culling.
+    pub(crate) side_m: f64,
+}
+
 impl Scale {
-    /// A node's priority: its error in pixels (metres without a view), 0 when it need not be shown. Never rises from a
-    /// parent to its child.
+    /// Weighs a node. The priority never rises from a parent to its child.
     #[inline]
-    pub(crate) fn priority(&self, error_m: f32, bound: Sphere) -> f32 {
+    pub(crate) fn weigh(&self, error_m: f32, bound: Sphere) -> Seen {
+        let mut seen = Seen { priority: 0.0, error_m, centre_m: 0.0, surface_m: 0.0, side_m: f64::INFINITY };
+        let Some(eye) = &self.view else {
+            seen.priority = error_m;
+            return seen;
+        };
         if error_m <= self.terrain_tolerance_m {
-            return 0.0;
+            // never wanted, wherever the eye is
+            seen.error_m = 0.0;
+            return seen;
         }
-        let Some(eye) = &self.view else { return error_m };
-        if eye.frustum.is_some_and(|f| !f.sees(bound)) {
-            return 0.0;
+        seen.centre_m = (bound.centre - eye.view.eye).length();
+        seen.surface_m = seen.centre_m - bound.radius_m;
+        if let Some(frustum) = &eye.frustum {
+            seen.side_m = frustum.margin_m(bound);
+            if seen.side_m < 0.0 {
+                return seen;
+            }
         }
-        let distance_m = (bound.centre - eye.view.eye).length() - bound.radius_m;
-        if distance_m <= 0.0 { f32::INFINITY } else { (f64::from(error_m) * eye.pixels_per_radian / distance_m) as f32 }
+        seen.priority = if seen.surface_m <= 0.0 {
+            f32::INFINITY
+        } else {
+            (f64::from(error_m) * eye.pixels_per_radian / seen.surface_m) as f32
+        };
+        seen
     }
 }

@@ -474,6 +474,16 @@ impl<D: TerrainData> Hierarchy for TerrainSurface<D> {
         Sphere { centre: self.position(place), radius_m: self.bound_radius_m[place.level as usize] }
     }
 
+    #[inline]
+    fn error_and_bound(&self, node: NodeId) -> (f32, Sphere) {
+        let place = self.numbers.place(node);
+        if !self.data.is_resident(place) {
+            return (self.error_m(node), self.bound(node));
+        }
+        let bound = Sphere { centre: self.position(place), radius_m: self.bound_radius_m[place.level as usize] };
+        (self.data.error(place).to_m(), bound)
+    }
+
     fn triangles_added(&self, node: NodeId, active: &dyn ActiveSet) -> i32 {
         let place = self.numbers.place(node);
         let interior = !self.data.has_holes()
