@@ -39,7 +39,11 @@ pub fn extract(terrain: &Terrain, criteria: &Criteria) -> Result<Extracted, Erro
 }
 
 /// Updates a front until no page is missing.
-pub(crate) fn settle(terrain: &Terrain, controller: &mut Controller, criteria: &Criteria) -> Result<FrameReport, Error> {
+pub(crate) fn settle(
+    terrain: &Terrain,
+    controller: &mut Controller,
+    criteria: &Criteria,
+) -> Result<FrameReport, Error> {
     loop {
         let report = controller.update(terrain.surface(), criteria, |_, _| ());
         if report.wanted.is_empty() || terrain.load(&report.wanted, usize::MAX)? == 0 {

@@ -28,10 +28,10 @@ impl Terrain {
         let mut touch = |x: u32, y: u32, halves: u8| {
             let nw = y as usize * width + x as usize;
             if halves & 1 != 0 {
-                [nw, nw + 1, nw + width + 1].map(|i| touched[i] = true);
+                [nw, nw + 1, nw + width + 1].into_iter().for_each(|i| touched[i] = true);
             }
             if halves & 2 != 0 {
-                [nw, nw + width, nw + width + 1].map(|i| touched[i] = true);
+                [nw, nw + width, nw + width + 1].into_iter().for_each(|i| touched[i] = true);
             }
         };
         match (self.surface().data(), self.store()) {

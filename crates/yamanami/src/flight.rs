@@ -1,7 +1,7 @@
 //! Flights: a camera path replayed frame by frame, and what each frame cost.
 
 use crate::scene::morph_of;
-use crate::{Canvas, CameraPath, Criteria, Error, LimitedBy, Scene, Staircase, Terrain, ViewCriterion};
+use crate::{CameraPath, Canvas, Criteria, Error, LimitedBy, Scene, Staircase, Terrain, ViewCriterion};
 use image::RgbaImage;
 use serde::Serialize;
 use std::time::Instant;

@@ -60,7 +60,12 @@ fn median_f64(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// Draws `triangles.png`, `time.png`, `upload.png` and `error.png` of a flight into a folder; gives their paths.
-pub fn write_flight_plots(frames: &[FrameStats], budget: Option<u32>, title: &str, folder: &Path) -> Result<Vec<PathBuf>, Error> {
+pub fn write_flight_plots(
+    frames: &[FrameStats],
+    budget: Option<u32>,
+    title: &str,
+    folder: &Path,
+) -> Result<Vec<PathBuf>, Error> {
     let chart = |name: &str, y_label: &str, y_log: bool, series: Vec<Series>, reference: Option<Reference>| {
         let path = folder.join(format!("{name}.png"));
         let chart = Chart {

@@ -44,6 +44,8 @@ pub use yama::{StoreOptions, quantise};
 pub use yamanami_core as core;
 pub use yamanami_gpu as gpu;
 pub use yamanami_io as io;
-pub use yamanami_lod::{Controller, Criteria, FrameReport, Front, LimitedBy, PaperController, Staircase, Step, ViewCriterion};
+pub use yamanami_lod::{
+    Controller, Criteria, FrameReport, Front, LimitedBy, PaperController, Staircase, Step, ViewCriterion,
+};
 pub use yamanami_measure as measure;
 pub use yamanami_multires as multires;

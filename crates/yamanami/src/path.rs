@@ -132,10 +132,14 @@ pub fn read_path(terrain: &Terrain, file: &Path, viewport_px: [u32; 2]) -> Resul
     })?;
     let finite = recorded.frames.iter().all(|f| f.eye.iter().chain(&f.target).all(|v| v.is_finite()));
     if recorded.frames.is_empty() || !finite || !(1.0..=170.0).contains(&recorded.fov_deg) {
-        return Err(Error::Request(format!("{}: expected at least one frame of finite numbers and a field of view of 1 to 170 degrees", file.display())));
+        return Err(Error::Request(format!(
+            "{}: expected at least one frame of finite numbers and a field of view of 1 to 170 degrees",
+            file.display()
+        )));
     }
     let fov = recorded.fov_deg.to_radians();
-    let views = recorded.frames.iter().map(|f| crate::view_between(terrain, f.eye, f.target, fov, viewport_px)).collect();
+    let views =
+        recorded.frames.iter().map(|f| crate::view_between(terrain, f.eye, f.target, fov, viewport_px)).collect();
     Ok(CameraPath { views })
 }
 

@@ -64,7 +64,9 @@ impl Scene {
     pub fn restart(&mut self, terrain: &Terrain, lod: &Lod) {
         self.control = match lod {
             Lod::Exact => Control::Exact(Box::new(Controller::new(terrain.surface()))),
-            Lod::Paper(staircase) => Control::Paper(Box::new(PaperController::new(terrain.surface(), staircase.clone()))),
+            Lod::Paper(staircase) => {
+                Control::Paper(Box::new(PaperController::new(terrain.surface(), staircase.clone())))
+            }
         };
         self.canvas.clear();
         terrain.surface().emit_base(self.canvas.sink());

@@ -28,7 +28,8 @@ pub struct Terrain {
 impl Terrain {
     /// Opens one `.yama`, or one or more elevation files as a mosaic. `progress` hears of the share built, 0 to 1.
     pub fn open(paths: &[PathBuf], options: &OpenOptions, progress: &dyn Fn(f32)) -> Result<Self, Error> {
-        let title = paths.first().and_then(|p| p.file_name()).map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+        let title =
+            paths.first().and_then(|p| p.file_name()).map_or_else(String::new, |n| n.to_string_lossy().into_owned());
         let is_yama = |p: &PathBuf| p.extension().is_some_and(|e| e.eq_ignore_ascii_case("yama"));
         match paths {
             [path] if is_yama(path) => yama::open(path, title),
@@ -130,7 +131,8 @@ impl Terrain {
             .filter(|&id| {
                 id.level + 1 >= base
                     || data.page(id).is_some_and(|page| {
-                        page_nodes(page.id, page.width, page.height).any(|n| numbers.exists(n) && in_use(numbers.number(n)))
+                        page_nodes(page.id, page.width, page.height)
+                            .any(|n| numbers.exists(n) && in_use(numbers.number(n)))
                     })
             })
             .collect();
@@ -139,7 +141,8 @@ impl Terrain {
                 break;
             }
             // a midpoint on the border also needs the pages left of and above its own
-            let neighbours = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(dx, dy)| PageId { x: id.x + dx, y: id.y + dy, ..id });
+            let neighbours =
+                [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(dx, dy)| PageId { x: id.x + dx, y: id.y + dy, ..id });
             if neighbours.iter().all(|n| !used.contains(n)) {
                 bytes -= data.page_bytes(id);
                 data.remove(id);
@@ -153,7 +156,8 @@ impl Terrain {
         let [column, row] = self.geo().grid_from_local(x_m, y_m);
         let lattice = self.surface.numbers().lattice();
         let points = lattice.points(level);
-        let place = |v: f64, points: u32| (v / f64::from(1u32 << level)).round().clamp(0.0, f64::from(points - 1)) as u32;
+        let place =
+            |v: f64, points: u32| (v / f64::from(1u32 << level)).round().clamp(0.0, f64::from(points - 1)) as u32;
         let node = LatticeNode { level, x: place(column, points[0]), y: place(row, points[1]) };
         f64::from(self.surface.data().height_m(node))
     }
@@ -161,7 +165,9 @@ impl Terrain {
     /// The finest level that is in memory as a whole and has at most `most` points a side.
     pub fn overview_level(&self, most: u32) -> u32 {
         let lattice = self.surface.numbers().lattice();
-        (0..lattice.levels()).find(|&level| lattice.points(level).into_iter().max().unwrap_or(0) <= most).unwrap_or(lattice.levels())
+        (0..lattice.levels())
+            .find(|&level| lattice.points(level).into_iter().max().unwrap_or(0) <= most)
+            .unwrap_or(lattice.levels())
     }
 
     /// Brings a whole coarse level into memory.
@@ -188,5 +194,7 @@ impl Terrain {
 
 fn page_nodes(id: PageId, width: u32, height: u32) -> impl Iterator<Item = LatticeNode> {
     let cells = yamanami_core::PAGE_CELLS;
-    (0..height).flat_map(move |y| (0..width).map(move |x| LatticeNode { level: id.level, x: id.x * cells + x, y: id.y * cells + y }))
+    (0..height).flat_map(move |y| {
+        (0..width).map(move |x| LatticeNode { level: id.level, x: id.x * cells + x, y: id.y * cells + y })
+    })
 }

@@ -94,12 +94,11 @@ fn page_of(grid: &GridData, id: PageId) -> TerrainPage {
     let (x0, y0) = (id.x * PAGE_CELLS, id.y * PAGE_CELLS);
     let (squares_x, squares_y) = ((nx - x0).min(PAGE_CELLS), (ny - y0).min(PAGE_CELLS));
     let places = || {
-        (y0..=y0 + squares_y).flat_map(move |y| (x0..=x0 + squares_x).map(move |x| LatticeNode { level: id.level, x, y }))
+        (y0..=y0 + squares_y)
+            .flat_map(move |y| (x0..=x0 + squares_x).map(move |x| LatticeNode { level: id.level, x, y }))
     };
     let is_base = id.level == lattice.levels();
-    let errors = places()
-        .map(|n| if is_base || (n.x | n.y) & 1 == 0 { ErrorCode(0) } else { grid.error(n) })
-        .collect();
+    let errors = places().map(|n| if is_base || (n.x | n.y) & 1 == 0 { ErrorCode(0) } else { grid.error(n) }).collect();
     let shown = if grid.has_holes() {
         let bits = |x, y| u8::from(grid.shown(id.level, x, y, 0)) | u8::from(grid.shown(id.level, x, y, 1)) << 1;
         (y0..y0 + squares_y).flat_map(|y| (x0..x0 + squares_x).map(move |x| (x, y))).map(|(x, y)| bits(x, y)).collect()

@@ -75,7 +75,11 @@ fn changing_knobs_follow_the_oracle() {
     let surface = rough(200, 333, 25.0);
     follow(&surface, 90, |i| Criteria {
         terrain_tolerance_m: if i < 30 { 0.0 } else { 1.5 },
-        view: (i % 40 < 30).then(|| ViewCriterion { view: view(i % 17 * 3), tolerance_px: 1.0 + (i / 10) as f32, cull: i % 20 < 10 }),
+        view: (i % 40 < 30).then(|| ViewCriterion {
+            view: view(i % 17 * 3),
+            tolerance_px: 1.0 + (i / 10) as f32,
+            cull: i % 20 < 10,
+        }),
         budget_triangles: (i % 15 < 9).then_some(200 + 400 * (i as u32 % 7)),
         ..Criteria::default()
     });

@@ -72,7 +72,8 @@ fn only_the_pages_that_a_view_needs_are_read_and_a_small_memory_suffices() {
     let [east_m, _] = paged.extent_m();
     for i in 0..40 {
         let eye = glam::DVec3::new(0.1 * east_m + 0.02 * f64::from(i) * east_m, -0.3 * east_m, 3500.0);
-        let view = View { eye, target: eye + glam::DVec3::new(1.0, 0.2, -0.6), fov_y_rad: 0.7, viewport_px: [640, 360] };
+        let view =
+            View { eye, target: eye + glam::DVec3::new(1.0, 0.2, -0.6), fov_y_rad: 0.7, viewport_px: [640, 360] };
         let criteria = Criteria {
             view: Some(ViewCriterion { view, tolerance_px: 2.0, cull: true }),
             budget_triangles: Some(20_000),

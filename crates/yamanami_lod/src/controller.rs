@@ -150,7 +150,12 @@ impl Controller {
 
     /// Moves the front to what `criteria` ask for. `on_step` hears of each step just before it is taken, with the front
     /// as it is then; each prefix of the steps leads to a legal front.
-    pub fn update<H: Hierarchy>(&mut self, hierarchy: &H, criteria: &Criteria, mut on_step: impl FnMut(Step, &Front)) -> FrameReport {
+    pub fn update<H: Hierarchy>(
+        &mut self,
+        hierarchy: &H,
+        criteria: &Criteria,
+        mut on_step: impl FnMut(Step, &Front),
+    ) -> FrameReport {
         self.wanted.clear();
         let scale = criteria.scale();
         self.threshold_moved = 0.0;
@@ -280,7 +285,13 @@ impl Controller {
     }
 
     /// The worst leaf among the woken, once no sleeping one can be worse; `None` when all are above `limit`.
-    fn worst_leaf<H: Hierarchy>(&mut self, hierarchy: &H, criteria: &Criteria, scale: &Scale, limit: f32) -> Option<Ranked> {
+    fn worst_leaf<H: Hierarchy>(
+        &mut self,
+        hierarchy: &H,
+        criteria: &Criteria,
+        scale: &Scale,
+        limit: f32,
+    ) -> Option<Ranked> {
         let slack = 1.0 + criteria.hysteresis;
         loop {
             while let Some(&Reverse(Weighed { rank: top, .. })) = self.leaves.peek() {
@@ -319,7 +330,13 @@ impl Controller {
         self.advance(hierarchy, scale, moved / self.rates.threshold);
     }
 
-    fn settle<H: Hierarchy>(&mut self, hierarchy: &H, criteria: &Criteria, scale: &Scale, on_step: &mut impl FnMut(Step, &Front)) -> FrameReport {
+    fn settle<H: Hierarchy>(
+        &mut self,
+        hierarchy: &H,
+        criteria: &Criteria,
+        scale: &Scale,
+        on_step: &mut impl FnMut(Step, &Front),
+    ) -> FrameReport {
         let budget = criteria.budget_triangles.map_or(i64::MAX, i64::from);
         let max_steps = criteria.max_steps.unwrap_or(usize::MAX);
         let (mut refined, mut coarsened) = (0, 0);
@@ -385,7 +402,14 @@ impl Controller {
         }
     }
 
-    fn refine<H: Hierarchy>(&mut self, hierarchy: &H, scale: &Scale, best: Weighed, added: i32, on_step: &mut impl FnMut(Step, &Front)) {
+    fn refine<H: Hierarchy>(
+        &mut self,
+        hierarchy: &H,
+        scale: &Scale,
+        best: Weighed,
+        added: i32,
+        on_step: &mut impl FnMut(Step, &Front),
+    ) {
         on_step(Step::Refine(best.rank.node), &self.front);
         let mut opened = std::mem::take(&mut self.woken);
         self.front.refine(hierarchy, best.rank.node, added, |_, node| opened.push(node));
@@ -396,7 +420,13 @@ impl Controller {
         self.leaves.push(Reverse(best));
     }
 
-    fn coarsen<H: Hierarchy>(&mut self, hierarchy: &H, scale: &Scale, node: NodeId, on_step: &mut impl FnMut(Step, &Front)) {
+    fn coarsen<H: Hierarchy>(
+        &mut self,
+        hierarchy: &H,
+        scale: &Scale,
+        node: NodeId,
+        on_step: &mut impl FnMut(Step, &Front),
+    ) {
         self.leaves.pop();
         on_step(Step::Coarsen(node), &self.front);
         let without = |n: NodeId| n != node && self.front.is_active(n);
@@ -483,7 +513,9 @@ fn movement(last: &Criteria, now: &Criteria) -> Option<(f64, f64)> {
     }
     match (&last.view, &now.view) {
         (None, None) => Some((0.0, 0.0)),
-        (Some(a), Some(b)) if a.cull == b.cull && a.view.fov_y_rad == b.view.fov_y_rad && a.view.viewport_px == b.view.viewport_px => {
+        (Some(a), Some(b))
+            if a.cull == b.cull && a.view.fov_y_rad == b.view.fov_y_rad && a.view.viewport_px == b.view.viewport_px =>
+        {
             // a view along z has another up vector: start over there
             if a.view.up() != b.view.up() {
                 return None;

@@ -124,7 +124,13 @@ impl Front {
     }
 
     /// Applies an open node that adds `added` triangles; `opened` hears of each node that may now be refined.
-    pub(crate) fn refine(&mut self, hierarchy: &impl Hierarchy, node: NodeId, added: i32, mut opened: impl FnMut(&mut Self, NodeId)) {
+    pub(crate) fn refine(
+        &mut self,
+        hierarchy: &impl Hierarchy,
+        node: NodeId,
+        added: i32,
+        mut opened: impl FnMut(&mut Self, NodeId),
+    ) {
         let state = self.state_mut(node);
         debug_assert!(state.open);
         (state.active, state.open) = (true, false);
@@ -144,7 +150,13 @@ impl Front {
     }
 
     /// Undoes a leaf that had added `added` triangles; `closed` hears of each parent that is a leaf now.
-    pub(crate) fn coarsen(&mut self, hierarchy: &impl Hierarchy, node: NodeId, added: i32, mut closed: impl FnMut(&mut Self, NodeId)) {
+    pub(crate) fn coarsen(
+        &mut self,
+        hierarchy: &impl Hierarchy,
+        node: NodeId,
+        added: i32,
+        mut closed: impl FnMut(&mut Self, NodeId),
+    ) {
         debug_assert!(self.is_leaf(node));
         let state = self.state_mut(node);
         (state.active, state.open) = (false, true);

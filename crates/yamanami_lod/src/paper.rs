@@ -31,7 +31,9 @@ impl Staircase {
         let step = (farthest_m - nearest_m) / intervals as f64;
         Self {
             distances_m: (0..=intervals).map(|i| nearest_m + step * i as f64).collect(),
-            thresholds_m: (0..intervals).map(|i| terrain_tolerance_m + i as f32 * terrain_tolerance_m.max(1.0)).collect(),
+            thresholds_m: (0..intervals)
+                .map(|i| terrain_tolerance_m + i as f32 * terrain_tolerance_m.max(1.0))
+                .collect(),
             gain: 0.5,
         }
     }
@@ -83,13 +85,20 @@ impl PaperController {
 
     /// One frame: brings the front to the staircase, then feeds its count back when `criteria` have a budget. The view's
     /// pixel tolerance plays no part.
-    pub fn update<H: Hierarchy>(&mut self, hierarchy: &H, criteria: &Criteria, mut on_step: impl FnMut(Step, &Front)) -> FrameReport {
+    pub fn update<H: Hierarchy>(
+        &mut self,
+        hierarchy: &H,
+        criteria: &Criteria,
+        mut on_step: impl FnMut(Step, &Front),
+    ) -> FrameReport {
         let view = criteria.view.map(|v| v.view);
         let frustum = criteria.view.filter(|v| v.cull).map(|v| v.view.frustum());
         let staircase = &self.staircase;
-        let threshold_m = |bound: Sphere| view.map_or(staircase.thresholds_m[0], |v: View| {
-            staircase.threshold_m((bound.centre - v.eye).length() - bound.radius_m)
-        });
+        let threshold_m = |bound: Sphere| {
+            view.map_or(staircase.thresholds_m[0], |v: View| {
+                staircase.threshold_m((bound.centre - v.eye).length() - bound.radius_m)
+            })
+        };
         let wants = |node: NodeId| {
             let bound = hierarchy.bound(node);
             frustum.is_none_or(|f| f.sees(bound)) && hierarchy.error_m(node) > threshold_m(bound)
@@ -101,7 +110,9 @@ impl PaperController {
                 if self.front.is_leaf(node) {
                     leaves.push(node);
                 }
-                seen.extend(hierarchy.children(node).iter().filter(|&&c| hierarchy.parents(c).iter().max() == Some(&node)));
+                seen.extend(
+                    hierarchy.children(node).iter().filter(|&&c| hierarchy.parents(c).iter().max() == Some(&node)),
+                );
             } else if self.front.is_open(node) {
                 open.push(node);
             }
@@ -134,6 +145,15 @@ impl PaperController {
         }
         let limited_by = if wanted.is_empty() { LimitedBy::Tolerance } else { LimitedBy::Residency };
         let highest_m = self.staircase.thresholds_m.last().copied().unwrap_or(0.0);
-        FrameReport { triangles, refined, coarsened, weighed: 0, limited_by, error_left: highest_m, threshold: highest_m, wanted }
+        FrameReport {
+            triangles,
+            refined,
+            coarsened,
+            weighed: 0,
+            limited_by,
+            error_left: highest_m,
+            threshold: highest_m,
+            wanted,
+        }
     }
 }

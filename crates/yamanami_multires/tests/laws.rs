@@ -6,11 +6,22 @@ use yamanami_testkit::laws::{Kind, closure_law_of, ends_law, error_law, hierarch
 use yamanami_testkit::{Holes, Shape, Spacing, SyntheticTerrain};
 
 fn terrains() -> Vec<SyntheticTerrain> {
-    let mut all: Vec<_> = [(2, 2), (2, 9), (3, 3), (5, 17), (33, 33), (47, 20), (64, 65), (70, 61), (121, 90), (130, 31)]
-        .into_iter()
-        .zip([Spacing::Metres(50.0), Spacing::ArcSeconds(1.0), Spacing::Metres(0.5)].into_iter().cycle())
-        .map(|((w, h), spacing)| SyntheticTerrain::new(w, h, Shape::mountains(3), spacing))
-        .collect();
+    let mut all: Vec<_> = [
+        (2, 2),
+        (2, 9),
+        (3, 3),
+        (5, 17),
+        (33, 33),
+        (47, 20),
+        (64, 65),
+        (70, 61),
+        (121, 90),
+        (130, 31),
+    ]
+    .into_iter()
+    .zip([Spacing::Metres(50.0), Spacing::ArcSeconds(1.0), Spacing::Metres(0.5)].into_iter().cycle())
+    .map(|((w, h), spacing)| SyntheticTerrain::new(w, h, Shape::mountains(3), spacing))
+    .collect();
     all.push(SyntheticTerrain::mountains(257, 257, 5));
     for holes in [
         Holes::Speckle { share: 0.05, seed: 1 },

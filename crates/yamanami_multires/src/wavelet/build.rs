@@ -87,31 +87,53 @@ fn rounding_m(heights_m: &[f32]) -> f32 {
     if whole && relief_m <= 4096.0 { 0.0 } else { relief_m * 1e-6 }
 }
 
+/// The lazy wavelet's detail of a sample between two: from differences of near heights, which f32 keeps.
+#[inline]
+fn detail(z: f32, a: f32, b: f32) -> f32 {
+    (0.5 * ((z - a) + (z - b))).abs()
+}
+
 impl Builder {
     /// Error codes of a level's midpoints, given those of the level below.
     fn level_errors(&self, level: u32, below: &[ErrorCode]) -> Vec<ErrorCode> {
-        let charged = self.charge_triangles(level + 1, below);
+        // level 0 is most of the grid and cheap to weigh: no table of triangles for it
+        let charged = (level > 0).then(|| self.charge_triangles(level + 1, below));
         let [squares_x, _] = self.lattice.squares(level + 1).map(|n| n as usize);
         let [nx, ny] = self.lattice.points(level).map(|n| n as usize);
         let mut errors = vec![ErrorCode(0); nx * ny];
         errors.par_chunks_mut(nx).enumerate().for_each(|(y, row)| {
             for (x, error) in row.iter_mut().enumerate() {
-                if (x | y) & 1 == 0 {
+                let role = match (x & 1, y & 1) {
+                    (0, 0) => continue,
+                    (1, 1) => 0,
+                    (1, 0) => 1,
+                    _ => 2,
+                };
+                if charged.is_none() && self.holes.is_none() && x + 1 < nx && y + 1 < ny {
+                    *error = self.detail_error(x, y);
                     continue;
                 }
                 let node = LatticeNode { level, x: x as u32, y: y as u32 };
-                for t in adjacent(node, &self.lattice).iter() {
-                    let of_square = &charged[t.y as usize * squares_x + t.x as usize][t.half as usize];
-                    let role = match (x & 1, y & 1) {
-                        (1, 1) => 0,
-                        (1, 0) => 1,
-                        _ => 2,
+                for &t in adjacent(node, &self.lattice).iter() {
+                    let of_midpoints = match &charged {
+                        Some(charged) => charged[t.y as usize * squares_x + t.x as usize][t.half as usize],
+                        None => self.charge_triangle(t, below),
                     };
-                    *error = (*error).max(of_square[role]);
+                    *error = (*error).max(of_midpoints[role]);
                 }
             }
         });
         errors
+    }
+
+    /// Error of a finest midpoint away from border and holes: its own detail, which both its triangles ask for.
+    #[inline]
+    fn detail_error(&self, x: usize, y: usize) -> ErrorCode {
+        let width = self.lattice.width() as usize;
+        let i = y * width + x;
+        let back = (y & 1) * width + (x & 1);
+        let [z, a, b] = [i, i - back, i + back].map(|i| self.heights_m[i]);
+        code(detail(z, a, b), self.rounding_m)
     }
 
     /// For both halves of every square of a level, what its midpoints h, p, q must answer for, children included.
@@ -155,7 +177,8 @@ impl Builder {
             }
         };
         // where a hole is partly covered, the surface is off by up to the triangle's size
-        let hole_m = if whole { 0.0 } else { (self.step_m[0].hypot(self.step_m[1]) * f64::from(1u32 << t.level)) as f32 };
+        let hole_m =
+            if whole { 0.0 } else { (self.step_m[0].hypot(self.step_m[1]) * f64::from(1u32 << t.level)) as f32 };
         for (c, own) in charged.iter_mut().zip(own) {
             *c = (*c).max(code(own.max(hole_m), self.rounding_m));
         }
@@ -166,7 +189,6 @@ impl Builder {
     #[inline]
     fn details(&self, width: usize, origin: usize, half: u32) -> [f32; 3] {
         let z = |i: usize, k: usize| self.heights_m[origin + k * width + i];
-        let detail = |z: f32, a: f32, b: f32| (0.5 * ((z - a) + (z - b))).abs();
         let h = detail(z(1, 1), z(0, 0), z(2, 2));
         if half == 0 {
             [h, detail(z(1, 0), z(0, 0), z(2, 0)), detail(z(2, 1), z(2, 0), z(2, 2))]
@@ -195,27 +217,25 @@ impl Builder {
 
     /// Radius, one a level, of spheres around a level's midpoints that hold their triangles and their children's spheres.
     fn bound_radii_m(&self) -> Vec<f64> {
-        let width = self.lattice.width() as usize;
-        let [nx, ny] = self.lattice.squares(0).map(|n| n as usize);
-        let mut ranges = vec![[0f32; 2]; nx * ny];
-        ranges.par_chunks_mut(nx).enumerate().for_each(|(y, row)| {
-            for (x, range) in row.iter_mut().enumerate() {
-                let i = y * width + x;
-                let z = [self.heights_m[i], self.heights_m[i + 1], self.heights_m[i + width], self.heights_m[i + width + 1]];
-                *range = [z.into_iter().fold(f32::MAX, f32::min), z.into_iter().fold(f32::MIN, f32::max)];
-            }
-        });
-        let mut below = [nx, ny];
+        let (width, height) = (self.lattice.width() as usize, self.lattice.height() as usize);
+        let (mut ranges, mut below) = (Vec::new(), [0, 0]);
         let (mut radii, mut radius_m) = (Vec::new(), 0.0);
         for level in 0..self.lattice.levels() {
             let [nx, ny] = self.lattice.squares(level + 1).map(|n| n as usize);
             let mut coarse = vec![[f32::MAX, f32::MIN]; nx * ny];
             coarse.par_chunks_mut(nx).enumerate().for_each(|(y, row)| {
                 for (x, range) in row.iter_mut().enumerate() {
-                    for v in 2 * y..(2 * y + 2).min(below[1]) {
-                        for u in 2 * x..(2 * x + 2).min(below[0]) {
-                            let [low, high] = ranges[v * below[0] + u];
-                            *range = [range[0].min(low), range[1].max(high)];
+                    let mut include = |low: f32, high: f32| *range = [range[0].min(low), range[1].max(high)];
+                    if level == 0 {
+                        for row in self.heights_m.chunks_exact(width).take((2 * y + 3).min(height)).skip(2 * y) {
+                            row[2 * x..(2 * x + 3).min(width)].iter().for_each(|&z| include(z, z));
+                        }
+                    } else {
+                        for v in 2 * y..(2 * y + 2).min(below[1]) {
+                            for u in 2 * x..(2 * x + 2).min(below[0]) {
+                                let [low, high]: [f32; 2] = ranges[v * below[0] + u];
+                                include(low, high);
+                            }
                         }
                     }
                 }

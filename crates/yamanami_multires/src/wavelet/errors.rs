@@ -266,7 +266,8 @@ fn distance_to_plane(heights_m: &[f32], width: usize, corners: [[u32; 2]; 3]) ->
             let s = [x, y];
             let weights = [edge(b, c, s), edge(c, a, s), edge(a, b, s)];
             if weights.iter().all(|&w| w >= 0) {
-                let plane = (weights[0] as f64 * z(a) + weights[1] as f64 * z(b) + weights[2] as f64 * z(c)) / area as f64;
+                let plane =
+                    (weights[0] as f64 * z(a) + weights[1] as f64 * z(b) + weights[2] as f64 * z(c)) / area as f64;
                 worst = worst.max((z(s) - plane).abs());
             }
         }
@@ -285,7 +286,11 @@ mod tests {
     use super::*;
 
     fn noise(n: usize, seed: u32) -> Vec<f32> {
-        (0..n).map(|i| ((i as u32).wrapping_mul(2_654_435_761).wrapping_add(seed).wrapping_mul(40_503) >> 16 & 1023) as f32).collect()
+        (0..n)
+            .map(|i| {
+                ((i as u32).wrapping_mul(2_654_435_761).wrapping_add(seed).wrapping_mul(40_503) >> 16 & 1023) as f32
+            })
+            .collect()
     }
 
     #[test]
@@ -299,7 +304,10 @@ mod tests {
                 let fast = config_errors(&z, 65, side, side, half);
                 let exact = config_errors_exact(&z, &lattice, t);
                 for c in 0..7 {
-                    assert!((fast[c] - exact[c]).abs() < 1e-3, "level {level} half {half} config {c}: {fast:?} {exact:?}");
+                    assert!(
+                        (fast[c] - exact[c]).abs() < 1e-3,
+                        "level {level} half {half} config {c}: {fast:?} {exact:?}"
+                    );
                 }
             }
         }

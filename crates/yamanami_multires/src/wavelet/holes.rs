@@ -42,11 +42,13 @@ impl Holes {
             let mut coarse = vec![0u8; nx * ny];
             coarse.par_chunks_mut(nx).enumerate().for_each(|(y, row)| {
                 for (x, square) in row.iter_mut().enumerate() {
-                    let (nw, ne, sw, se) = (at(2 * x, 2 * y), at(2 * x + 1, 2 * y), at(2 * x, 2 * y + 1), at(2 * x + 1, 2 * y + 1));
+                    let (nw, ne, sw, se) =
+                        (at(2 * x, 2 * y), at(2 * x + 1, 2 * y), at(2 * x, 2 * y + 1), at(2 * x + 1, 2 * y + 1));
                     // the upper right half holds both halves of ne and the upper right ones of nw and se
                     let (any, all) = ((nw | se) & 0b11, nw & se & 0b1100);
                     let any = (any & 1 | u8::from(ne & 0b11 != 0)) & 1 | (any & 2 | u8::from(sw & 0b11 != 0) << 1) & 2;
-                    let all = (all & (u8::from(ne & 0b1100 == 0b1100) << 2)) | (all & (u8::from(sw & 0b1100 == 0b1100) << 3));
+                    let all =
+                        (all & (u8::from(ne & 0b1100 == 0b1100) << 2)) | (all & (u8::from(sw & 0b1100 == 0b1100) << 3));
                     // a clamped square's diagonal bends as it is refined: neither half covers the square's samples alone
                     let past = |k: usize, size: u32| (k + 1) << level > size as usize - 1;
                     let bends = past(x, lattice.width()) || past(y, lattice.height());

@@ -62,7 +62,10 @@ fn lift_along(row: &mut [f32], s: usize, lift: impl Fn(f32, f32) -> f32) {
 fn lift_between(odd: &mut [f32], above: &[f32], below: &[f32], s: usize, lift: impl Fn(f32, f32) -> f32) {
     let width = odd.len();
     if s == 1 {
-        let pairs = odd.chunks_exact_mut(2).zip(above.chunks_exact(2)).zip(below.chunks_exact(2).zip(below[2.min(width)..].iter().step_by(2)));
+        let pairs = odd
+            .chunks_exact_mut(2)
+            .zip(above.chunks_exact(2))
+            .zip(below.chunks_exact(2).zip(below[2.min(width)..].iter().step_by(2)));
         for ((z, a), (b, &b_right)) in pairs {
             z[0] = lift(z[0], 0.5 * (a[0] + b[0]));
             z[1] = lift(z[1], 0.5 * (a[0] + b_right));
@@ -107,7 +110,8 @@ mod tests {
         let (w, h) = (33, 33);
         let mut grid: Vec<f32> = (0..w * h).map(|i| (i % w) as f32 * 3.0 - (i / w) as f32 * 2.0).collect();
         analyse(&mut grid, w, h);
-        let details = grid.iter().enumerate().filter(|(i, z)| ![0, w - 1, w * (h - 1), w * h - 1].contains(i) && **z != 0.0);
+        let details =
+            grid.iter().enumerate().filter(|(i, z)| ![0, w - 1, w * (h - 1), w * h - 1].contains(i) && **z != 0.0);
         assert_eq!(details.count(), 0);
     }
 }

@@ -14,6 +14,7 @@ mod errors;
 mod holes;
 mod lazy;
 mod nodes;
+mod order;
 mod pages;
 mod surface;
 mod template;

@@ -44,7 +44,9 @@ impl PagedData {
     /// holes, those before it.
     pub fn needed_pages(&self, node: LatticeNode) -> impl Iterator<Item = PageId> {
         let own = self.page_of(node);
-        let before = |tile: u32, k: u32| if self.has_holes && k.is_multiple_of(PAGE_CELLS) { tile.saturating_sub(1) } else { tile };
+        let before = |tile: u32, k: u32| {
+            if self.has_holes && k.is_multiple_of(PAGE_CELLS) { tile.saturating_sub(1) } else { tile }
+        };
         let (x, y) = (before(own.x, node.x), before(own.y, node.y));
         (y..=own.y).flat_map(move |y| (x..=own.x).map(move |x| PageId { x, y, ..own }))
     }
@@ -106,7 +108,8 @@ impl PagedData {
             return Some((page, index(page)));
         }
         // on a border the page before holds the point too
-        let before = |tile: u32, k: u32| if k > 0 && k.is_multiple_of(PAGE_CELLS) && tile > 0 { tile - 1 } else { tile };
+        let before =
+            |tile: u32, k: u32| if k > 0 && k.is_multiple_of(PAGE_CELLS) && tile > 0 { tile - 1 } else { tile };
         let (x, y) = (before(own.x, node.x), before(own.y, node.y));
         [(x, own.y), (own.x, y), (x, y)].into_iter().find_map(|(x, y)| {
             let page = self.page(PageId { x, y, ..own })?;
@@ -124,8 +127,7 @@ impl TerrainData for PagedData {
     fn sample_height_m(&self, column: u32, row: u32) -> f32 {
         // a point first appears on the coarsest level that has it; the last column and row are on every level
         let own = |k: u32, size: u32| if k == size - 1 { u32::MAX.trailing_ones() } else { k.trailing_zeros() };
-        let level =
-            own(column, self.lattice.width()).min(own(row, self.lattice.height())).min(self.lattice.levels());
+        let level = own(column, self.lattice.width()).min(own(row, self.lattice.height())).min(self.lattice.levels());
         let [nx, ny] = self.lattice.points(level);
         let place = |k: u32, size: u32, points: u32| if k == size - 1 { points - 1 } else { k >> level };
         self.height_m(LatticeNode {

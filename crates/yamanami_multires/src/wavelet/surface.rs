@@ -7,18 +7,18 @@ use super::triangle::{Triangle, adjacent, doubled_area, edge_ends};
 use glam::DVec3;
 use std::collections::HashMap;
 use yamanami_core::{
-    ActiveSet, GeoReference, Hierarchy, Lattice, LatticeNode, NodeId, NodeList, Sink, Sphere, Surface, SurfaceVertex,
-    TriangleKey, TriangleMesh, VertexId,
+    ActiveSet, GeoReference, Hierarchy, Lattice, LatticeNode, NodeId, Sink, Surface, SurfaceVertex, TriangleKey,
+    TriangleMesh, VertexId,
 };
 
 /// A terrain as a multiresolution surface.
 #[derive(Debug, Clone)]
 pub struct TerrainSurface<D> {
-    numbers: NodeNumbers,
-    data: D,
+    pub(super) numbers: NodeNumbers,
+    pub(super) data: D,
     geo: GeoReference,
     /// By level, 0 = finest.
-    bound_radius_m: Vec<f64>,
+    pub(super) bound_radius_m: Vec<f64>,
     /// Offset of each level's triangles in the triangle keys, by level.
     first_triangle: Vec<u64>,
 }
@@ -73,11 +73,11 @@ impl<D: TerrainData> TerrainSurface<D> {
         &self.bound_radius_m
     }
 
-    fn lattice(&self) -> &Lattice {
+    pub(super) fn lattice(&self) -> &Lattice {
         self.numbers.lattice()
     }
 
-    fn position(&self, node: LatticeNode) -> DVec3 {
+    pub(super) fn position(&self, node: LatticeNode) -> DVec3 {
         let [column, row] = self.lattice().sample(node.level, node.x, node.y);
         let [x, y] = self.geo.local_from_grid(f64::from(column), f64::from(row));
         DVec3::new(x, y, f64::from(self.data.height_m(node)))
@@ -87,12 +87,12 @@ impl<D: TerrainData> TerrainSurface<D> {
         sample[1] * self.lattice().width() + sample[0]
     }
 
-    fn shown(&self, t: Triangle) -> bool {
+    pub(super) fn shown(&self, t: Triangle) -> bool {
         self.data.shown(t.level, t.x, t.y, t.half)
     }
 
     /// The active midpoints of a triangle; [`ALL`] when all that exist are.
-    fn config(&self, t: Triangle, active: &dyn ActiveSet) -> Config {
+    pub(super) fn config(&self, t: Triangle, active: &dyn ActiveSet) -> Config {
         if t.level == 0 {
             return 0;
         }
@@ -113,9 +113,8 @@ impl<D: TerrainData> TerrainSurface<D> {
     fn for_template(&self, t: Triangle, config: Config, mut f: impl FnMut(TriangleKey, [[u32; 2]; 3])) {
         let lattice = self.lattice();
         let [nx, _] = lattice.squares(t.level).map(u64::from);
-        let index = self.first_triangle[t.level as usize]
-            + 2 * (u64::from(t.y) * nx + u64::from(t.x))
-            + u64::from(t.half);
+        let index =
+            self.first_triangle[t.level as usize] + 2 * (u64::from(t.y) * nx + u64::from(t.x)) + u64::from(t.half);
         if config == 0 {
             // an existing triangle is never degenerate as a whole
             f(index * 4, t.corner_samples(lattice));
@@ -131,13 +130,13 @@ impl<D: TerrainData> TerrainSurface<D> {
         }
     }
 
-    fn template_len(&self, t: Triangle, config: Config) -> i32 {
+    pub(super) fn template_len(&self, t: Triangle, config: Config) -> i32 {
         let mut n = 0;
         self.for_template(t, config, |_, _| n += 1);
         n
     }
 
-    fn existing_children(&self, t: Triangle) -> impl Iterator<Item = Triangle> {
+    pub(super) fn existing_children(&self, t: Triangle) -> impl Iterator<Item = Triangle> {
         t.children().into_iter().filter(|c| c.exists(self.lattice()) && self.shown(*c))
     }
 
@@ -233,17 +232,15 @@ impl<D: TerrainData> TerrainSurface<D> {
         folded(point.x, lattice.width()) || folded(point.y, lattice.height())
     }
 
-    fn is_clamped(&self, point: LatticeNode) -> bool {
+    pub(super) fn is_clamped(&self, point: LatticeNode) -> bool {
         u64::from(point.x) << point.level > u64::from(self.lattice().width() - 1)
             || u64::from(point.y) << point.level > u64::from(self.lattice().height() - 1)
     }
 
-    fn base_triangles(&self) -> impl Iterator<Item = Triangle> {
+    pub(super) fn base_triangles(&self) -> impl Iterator<Item = Triangle> {
         let level = self.lattice().levels();
         let [nx, ny] = self.lattice().squares(level);
-        (0..ny).flat_map(move |y| {
-            (0..nx).flat_map(move |x| (0..2).map(move |half| Triangle { level, x, y, half }))
-        })
+        (0..ny).flat_map(move |y| (0..nx).flat_map(move |x| (0..2).map(move |half| Triangle { level, x, y, half })))
     }
 
     /// Emits what changes around a midpoint between configurations without and with it.
@@ -347,9 +344,9 @@ impl<D: TerrainData> TerrainSurface<D> {
     }
 }
 
-struct Without<'a> {
-    set: &'a dyn ActiveSet,
-    node: NodeId,
+pub(super) struct Without<'a> {
+    pub(super) set: &'a dyn ActiveSet,
+    pub(super) node: NodeId,
 }
 
 impl ActiveSet for Without<'_> {
@@ -358,9 +355,9 @@ impl ActiveSet for Without<'_> {
     }
 }
 
-struct With<'a> {
-    set: &'a dyn ActiveSet,
-    node: NodeId,
+pub(super) struct With<'a> {
+    pub(super) set: &'a dyn ActiveSet,
+    pub(super) node: NodeId,
 }
 
 impl ActiveSet for With<'_> {
@@ -379,144 +376,6 @@ fn refine_place(node: LatticeNode, level: u32) -> LatticeNode {
 fn own_place(point: LatticeNode, levels: u32) -> LatticeNode {
     let up = (point.x | point.y).trailing_zeros().min(levels - point.level);
     LatticeNode { level: point.level + up, x: point.x >> up, y: point.y >> up }
-}
-
-impl<D: TerrainData> Hierarchy for TerrainSurface<D> {
-    fn node_bound(&self) -> NodeId {
-        self.numbers.bound()
-    }
-
-    fn exists(&self, node: NodeId) -> bool {
-        node < self.numbers.bound() && self.numbers.exists(self.numbers.place(node))
-    }
-
-    fn roots(&self) -> Vec<NodeId> {
-        let Some(level) = self.lattice().levels().checked_sub(1) else { return Vec::new() };
-        let [nx, ny] = self.lattice().points(level);
-        (0..ny)
-            .flat_map(|y| (0..nx).map(move |x| LatticeNode { level, x, y }))
-            .filter(|&n| self.numbers.exists(n))
-            .map(|n| self.numbers.number(n))
-            .collect()
-    }
-
-    fn parents(&self, node: NodeId) -> NodeList {
-        let mut out = NodeList::new();
-        let place = self.numbers.place(node);
-        if place.level + 1 == self.lattice().levels() {
-            return out;
-        }
-        for t in adjacent(place, self.lattice()).iter() {
-            for m in t.parent().midpoints() {
-                if self.numbers.exists(m) {
-                    out.insert(self.numbers.number(m));
-                }
-            }
-        }
-        out
-    }
-
-    #[inline]
-    fn parent_count(&self, node: NodeId) -> usize {
-        let LatticeNode { level, x, y } = self.numbers.place(node);
-        let [nx, ny] = self.lattice().points(level);
-        if level + 1 == self.lattice().levels() {
-            return 0;
-        }
-        if x == 0 || y == 0 || x + 4 >= nx || y + 4 >= ny {
-            return self.parents(node).len();
-        }
-        // an edge inside a parent triangle has its three midpoints for parents, one shared by two parents all five
-        let shared = match (x & 1, y & 1) {
-            (1, 0) => y & 3 == 0,
-            (0, 1) => x & 3 == 0,
-            _ => (x ^ y) & 2 == 0,
-        };
-        if shared { 5 } else { 3 }
-    }
-
-    fn children(&self, node: NodeId) -> NodeList {
-        let mut out = NodeList::new();
-        let place = self.numbers.place(node);
-        if place.level == 0 {
-            return out;
-        }
-        for t in adjacent(place, self.lattice()).iter() {
-            for child in t.children() {
-                if child.exists(self.lattice()) {
-                    for m in child.midpoints() {
-                        if self.numbers.exists(m) {
-                            out.insert(self.numbers.number(m));
-                        }
-                    }
-                }
-            }
-        }
-        out
-    }
-
-    fn error_m(&self, node: NodeId) -> f32 {
-        let place = self.numbers.place(node);
-        if self.data.is_resident(place) {
-            return self.data.error(place).to_m();
-        }
-        // not known yet, but not above any parent's
-        self.parents(node).iter().map(|&p| self.error_m(p)).fold(f32::INFINITY, f32::min)
-    }
-
-    fn bound(&self, node: NodeId) -> Sphere {
-        let place = self.numbers.place(node);
-        if !self.data.is_resident(place)
-            && let Some(&parent) = self.parents(node).first()
-        {
-            return self.bound(parent);
-        }
-        Sphere { centre: self.position(place), radius_m: self.bound_radius_m[place.level as usize] }
-    }
-
-    #[inline]
-    fn error_and_bound(&self, node: NodeId) -> (f32, Sphere) {
-        let place = self.numbers.place(node);
-        if !self.data.is_resident(place) {
-            return (self.error_m(node), self.bound(node));
-        }
-        let bound = Sphere { centre: self.position(place), radius_m: self.bound_radius_m[place.level as usize] };
-        (self.data.error(place).to_m(), bound)
-    }
-
-    fn triangles_added(&self, node: NodeId, active: &dyn ActiveSet) -> i32 {
-        let place = self.numbers.place(node);
-        let interior = !self.data.has_holes()
-            && !self.is_clamped(LatticeNode { x: place.x + 1, y: place.y + 1, ..place });
-        let triangles = adjacent(place, self.lattice());
-        if interior {
-            return triangles.len() as i32;
-        }
-        let (without, with) = (Without { set: active, node }, With { set: active, node });
-        triangles
-            .iter()
-            .filter(|&&t| self.shown(t))
-            .map(|&t| {
-                let fine = match self.config(t, &with) {
-                    ALL => self.existing_children(t).count() as i32,
-                    config => self.template_len(t, config),
-                };
-                fine - self.template_len(t, self.config(t, &without))
-            })
-            .sum()
-    }
-
-    fn base_triangle_count(&self) -> usize {
-        self.base_triangles().filter(|&t| self.shown(t)).count()
-    }
-
-    fn level(&self, node: NodeId) -> u32 {
-        self.lattice().levels() - 1 - self.numbers.level(node)
-    }
-
-    fn is_resident(&self, node: NodeId) -> bool {
-        self.data.is_resident(self.numbers.place(node))
-    }
 }
 
 impl<D: TerrainData> Surface for TerrainSurface<D> {

@@ -21,8 +21,10 @@ pub(crate) const P: usize = 1;
 pub(crate) const Q: usize = 2;
 
 /// Offsets of (R, P, Q, h, p, q) in half-squares from the square's corner, by half.
-const ROLE_OFFSETS: [[(u32, u32); 6]; 2] =
-    [[(2, 0), (0, 0), (2, 2), (1, 1), (1, 0), (2, 1)], [(0, 2), (2, 2), (0, 0), (1, 1), (1, 2), (0, 1)]];
+const ROLE_OFFSETS: [[(u32, u32); 6]; 2] = [
+    [(2, 0), (0, 0), (2, 2), (1, 1), (1, 0), (2, 1)],
+    [(0, 2), (2, 2), (0, 0), (1, 1), (1, 2), (0, 1)],
+];
 
 /// Squares (in the parent's quarter coordinates) and halves of the four children: at R, P, Q and the inner one.
 const CHILDREN: [[(u32, u32, u32); 4]; 2] =
