@@ -52,7 +52,8 @@ const LAYERS: &[Layer] = &[
         in_tests: TESTKIT,
         never: FRONT_ENDS,
     },
-    Layer { package: "yamanami_cli", siblings: &["yamanami"], in_tests: TESTKIT, never: &["pyo3"] },
+    // the program generates synthetic terrain for trying and timing: the kit's
+    Layer { package: "yamanami_cli", siblings: &["yamanami", "yamanami_testkit"], in_tests: &[], never: &["pyo3"] },
     Layer { package: "xtask", siblings: &[], in_tests: &[], never: &[] },
 ];
 
