@@ -482,3 +482,17 @@ fn written_grids_are_read_back() {
     let field = HeightField::new(2, 2, vec![0.0; 4], geo);
     says(&dem::write_geotiff(nowhere, &field).unwrap_err().to_string(), &["a.tif"]);
 }
+
+/// What is not read here is left to GDAL where a build has it.
+#[cfg(feature = "gdal")]
+#[test]
+fn gdal_reads_all_else() {
+    let mut dem = dem::open(&[fixture("f32_lzma_strips.tif")], &OpenOptions::default()).unwrap();
+    assert_eq!(dem.info().format, "GeoTIFF (by GDAL)");
+    assert_eq!((dem.geo().crs.epsg, dem.geo().origin), (Some(32654), [300_000.0, 4_000_000.0]));
+    let field = dem.read_all().unwrap();
+    assert!((0..37 * 29).all(|i| field.heights_m()[i] == height(i % 37, i / 37)));
+    let message = dem::open(&[fixture("f32_feet.tif")], &OpenOptions::default()).unwrap_err().to_string();
+    says(&message, &["0.3048", "metres"]);
+    says(&dem::open(&[fixture("make.py")], &OpenOptions::default()).unwrap_err().to_string(), &["make.py", "content"]);
+}

@@ -236,7 +236,8 @@ fn a_file_comes_back() {
         let [nx, ny] = store.lattice().points(level);
         let (x0, y0) = (nx / 3, ny / 4);
         let block = store.read_height_block(level, x0, y0, nx - x0, ny - y0).unwrap();
-        let expected: Vec<f32> = (y0..ny).flat_map(|y| (x0..nx).map(move |x| (x, y))).map(|(x, y)| surface.z(level, x, y)).collect();
+        let expected: Vec<f32> =
+            (y0..ny).flat_map(|y| (x0..nx).map(move |x| (x, y))).map(|(x, y)| surface.z(level, x, y)).collect();
         assert_eq!(block, expected);
         assert!(store.read_height_block(level, x0, y0, nx, ny).is_err());
     }

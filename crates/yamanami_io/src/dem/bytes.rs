@@ -129,6 +129,15 @@ impl ByteSource {
         &self.label
     }
 
+    /// The path, if the bytes are a file of their own.
+    #[cfg(feature = "gdal")]
+    pub(super) fn path(&self) -> Option<&Path> {
+        match &self.kind {
+            Kind::File(path) => Some(path),
+            _ => None,
+        }
+    }
+
     /// The last part of the name.
     pub(super) fn file_name(&self) -> String {
         self.label.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default()

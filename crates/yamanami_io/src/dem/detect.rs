@@ -60,7 +60,28 @@ fn extension(path: &Path) -> String {
 /// Opens one file, which must be an elevation grid or an archive of some.
 pub(super) fn open_file(source: &ByteSource, options: &OpenOptions, parts: &mut Parts) -> Result<(), IoError> {
     let head = source.head(HEAD_BYTES)?;
-    if open_detected(source, &head, options, parts, 0)? { Ok(()) } else { Err(not_known(source, &head)) }
+    match open_detected(source, &head, options, parts, 0) {
+        Ok(true) => Ok(()),
+        Ok(false) => open_otherwise(source, options, parts, not_known(source, &head)),
+        Err(error @ IoError::Unsupported { .. }) => open_otherwise(source, options, parts, error),
+        Err(error) => Err(error),
+    }
+}
+
+/// Leaves what is not read here to GDAL, if this build has it; else that is the `error`.
+#[cfg_attr(not(feature = "gdal"), expect(unused_variables))]
+fn open_otherwise(
+    source: &ByteSource,
+    options: &OpenOptions,
+    parts: &mut Parts,
+    error: IoError,
+) -> Result<(), IoError> {
+    #[cfg(feature = "gdal")]
+    if let Some(part) = super::gdal_file::open(source, options)? {
+        parts.push(Box::new(part));
+        return Ok(());
+    }
+    Err(error)
 }
 
 /// Opens what is recognised; false when it is not.

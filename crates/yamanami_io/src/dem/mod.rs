@@ -9,6 +9,8 @@ mod cache;
 mod detect;
 mod dted;
 mod fg_gml;
+#[cfg(feature = "gdal")]
+mod gdal_file;
 mod geo_keys;
 mod geotiff;
 mod hgt;

@@ -57,20 +57,32 @@ impl<'a> BitReader<'a> {
         Self { bytes, next: 0, held: 0, count: 0, overrun: false }
     }
 
+    /// Holds at least 32 bits, or all there are.
+    #[inline]
+    fn refill(&mut self) {
+        if let Some(bytes) = self.bytes.get(self.next..).and_then(|rest| rest.first_chunk()) {
+            self.held |= u64::from(u32::from_le_bytes(*bytes)) << self.count;
+            self.next += 4;
+            self.count += 32;
+            return;
+        }
+        while self.count < 32 {
+            let Some(&byte) = self.bytes.get(self.next) else { return };
+            self.held |= u64::from(byte) << self.count;
+            self.next += 1;
+            self.count += 8;
+        }
+    }
+
     /// The next `count` (at most 32) bits.
     #[inline]
     pub(super) fn get(&mut self, count: u32) -> u32 {
-        while self.count < count {
-            let byte = match self.bytes.get(self.next) {
-                Some(&byte) => byte,
-                None => {
-                    self.overrun = true;
-                    0
-                }
-            };
-            self.next += 1;
-            self.held |= u64::from(byte) << self.count;
-            self.count += 8;
+        if self.count < count {
+            self.refill();
+            if self.count < count {
+                self.overrun = true;
+                self.count = count;
+            }
         }
         let value = (self.held & ((1u64 << count) - 1)) as u32;
         self.held >>= count;

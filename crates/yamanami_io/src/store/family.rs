@@ -8,6 +8,7 @@
 //! member of the top octave and leave the lower ones plain. The tables use only operations that IEEE 754 rounds the same
 //! everywhere, so that a file reads the same on every machine.
 
+use super::rans::Span;
 use std::sync::LazyLock;
 
 /// Frequencies of a distribution add up to `1 << PROB_BITS`.
@@ -20,6 +21,8 @@ const PLAIN_SCALES: u32 = 26;
 pub(super) const SCALES: u32 = 144;
 /// Largest magnitude coded as a symbol; `ESCAPE` stands for all above.
 const MAX_SYMBOL: i32 = 30;
+/// Symbols are clamped to this before they are coded.
+pub(super) const SPAN_REACH: i32 = 64;
 /// Symbol ±ESCAPE: the rest of the magnitude follows in plain bits.
 pub(super) const ESCAPE: i32 = 64;
 
@@ -31,6 +34,12 @@ pub(super) const ERROR_SHAPES: usize = 3;
 /// The table for differences of error codes; `shifted`: by a third of a step.
 pub(super) fn error_table(scale: usize, shape: usize, shifted: bool) -> usize {
     PLAIN_SCALES as usize * SHAPES + (scale * ERROR_SHAPES + shape) * 2 + usize::from(shifted)
+}
+
+/// Where a table's slots begin.
+#[inline]
+pub(super) fn table_begin(table: usize) -> u32 {
+    (table as u32) << PROB_BITS
 }
 
 /// A member of the family, ready for use.
@@ -49,15 +58,26 @@ impl Member {
         Self { table: (scale - 4 * plain_bits) as usize * SHAPES + shape, plain_bits }
     }
 
-    /// Splits a residual into a symbol (not yet checked against the table's range) and its plain bits.
-    #[inline]
-    pub(super) fn split(self, residual: i32) -> (i64, u32) {
-        let k = self.plain_bits;
-        let lifted = i64::from(residual) + ((1i64 << k) >> 1);
-        (lifted >> k, (lifted & ((1 << k) - 1)) as u32)
+    /// A residual's symbol (not yet checked against the table's reach).
+    #[inline(always)]
+    pub(super) fn symbol(residual: i32, plain_bits: u32) -> i64 {
+        (i64::from(residual) + ((1i64 << plain_bits) >> 1)) >> plain_bits
     }
 
-    /// Undoes [`Self::split`].
+    /// A residual's plain bits.
+    #[inline]
+    pub(super) fn plain(self, residual: i32) -> u32 {
+        let lifted = i64::from(residual) + ((1i64 << self.plain_bits) >> 1);
+        (lifted & ((1 << self.plain_bits) - 1)) as u32
+    }
+
+    /// Where its slots begin.
+    #[inline]
+    pub(super) fn begin(self) -> u32 {
+        table_begin(self.table)
+    }
+
+    /// The residual of a symbol and plain bits.
     #[inline]
     pub(super) fn join(self, symbol: i64, plain: u32) -> i32 {
         let k = self.plain_bits;
@@ -75,42 +95,31 @@ pub(super) fn nearest_scale(mean: f32) -> u32 {
 pub(super) struct Frequencies {
     /// Largest magnitude with a symbol of its own.
     pub(super) reach: i32,
-    /// (start, frequency) of the symbols -ESCAPE, -reach..=reach, +ESCAPE.
-    spans: Vec<(u32, u32)>,
-    /// Bits a symbol costs, same order.
-    cost: Vec<f32>,
+    /// Of the symbols -ESCAPE, -reach..=reach, +ESCAPE: (start, frequency).
+    counts: Vec<(u32, u32)>,
+    /// The same for the encoder, escapes repeated, by symbol plus [`SPAN_REACH`].
+    spans: Box<[Span; 256]>,
+    /// Bits a symbol costs, an escape's extra bits included, by symbol plus [`SPAN_REACH`].
+    cost: Box<[f32; 2 * SPAN_REACH as usize + 1]>,
 }
 
 impl Frequencies {
-    /// Whether a symbol must escape, and if not or if so, which it is.
+    /// Whether a symbol must escape.
     #[inline]
-    pub(super) fn clip(&self, symbol: i64) -> i32 {
-        if symbol > i64::from(self.reach) {
-            ESCAPE
-        } else if symbol < -i64::from(self.reach) {
-            -ESCAPE
-        } else {
-            symbol as i32
-        }
+    pub(super) fn escapes(&self, symbol: i8) -> bool {
+        i32::from(symbol).abs() > self.reach
     }
 
+    /// The span of a symbol (of its escape, when it is out of reach).
     #[inline]
-    fn index(&self, symbol: i32) -> usize {
-        (symbol.clamp(-self.reach - 1, self.reach + 1) + self.reach + 1) as usize
+    pub(super) fn span(&self, symbol: i8) -> Span {
+        self.spans[usize::from(symbol.wrapping_add(SPAN_REACH as i8) as u8)]
     }
 
-    /// (start, frequency) of a clipped symbol.
+    /// Bits of the symbols from -[`SPAN_REACH`] on, an escape's extra bits included.
     #[inline]
-    pub(super) fn span(&self, symbol: i32) -> (u32, u32) {
-        self.spans[self.index(symbol)]
-    }
-
-    /// Bits of a symbol, an escape's extra bits included.
-    #[inline]
-    pub(super) fn cost(&self, symbol: i32) -> f32 {
-        let excess = symbol.abs() - self.reach;
-        let escape = if excess > 0 { 2.0 * (excess as f32).log2() + 1.0 } else { 0.0 };
-        self.cost[self.index(symbol)] + escape
+    pub(super) fn costs(&self) -> &[f32] {
+        &self.cost[..]
     }
 }
 
@@ -137,7 +146,7 @@ pub(super) static FAMILY: LazyLock<Family> = LazyLock::new(|| {
     let frequencies = tables;
     let mut slots = Vec::with_capacity(frequencies.len() << PROB_BITS);
     for table in &frequencies {
-        for (i, &(_, frequency)) in table.spans.iter().enumerate() {
+        for (i, &(_, frequency)) in table.counts.iter().enumerate() {
             let symbol = match i as i32 - table.reach - 1 {
                 s if s > table.reach => ESCAPE,
                 s if s < -table.reach => -ESCAPE,
@@ -184,15 +193,27 @@ fn frequencies(scale: u32, shape: usize, shift: f64) -> Frequencies {
         .collect();
     counts[reach as usize + 1] += (1 << PROB_BITS) - counts.iter().sum::<u32>();
     let mut start = 0;
-    let spans = counts
+    let counts: Vec<(u32, u32)> = counts
         .iter()
         .map(|&n| {
             start += n;
             (start - n, n)
         })
         .collect();
-    let cost = counts.iter().map(|&n| PROB_BITS as f32 - (n as f32).log2()).collect();
-    Frequencies { reach, spans, cost }
+    let cost = Box::new(std::array::from_fn(|i| {
+        let symbol = i as i32 - SPAN_REACH;
+        let (_, n) = counts[(symbol.clamp(-reach - 1, reach + 1) + reach + 1) as usize];
+        let excess = symbol.abs() - reach;
+        let escape = if excess > 0 { 2.0 * (excess as f32).log2() + 1.0 } else { 0.0 };
+        PROB_BITS as f32 - (n as f32).log2() + escape
+    }));
+    let span = |symbol: i32| {
+        let (start, n) = counts[(symbol.clamp(-reach - 1, reach + 1) + reach + 1) as usize];
+        Span::new(start, n)
+    };
+    // indexed by the symbol as a byte, so padded to all bytes
+    let spans = Box::new(std::array::from_fn(|i| span(i as i32 - SPAN_REACH)));
+    Frequencies { reach, counts, spans, cost }
 }
 
 /// exp(-t) for t ≥ 0 by Taylor's series and squaring.
@@ -217,7 +238,7 @@ mod tests {
         assert_eq!(FAMILY.slots.len(), FAMILY.frequencies.len() << PROB_BITS);
         for table in &FAMILY.frequencies {
             assert!(table.reach <= MAX_SYMBOL && table.reach >= 1);
-            assert_eq!(table.spans.last().map(|&(s, n)| s + n), Some(1 << PROB_BITS));
+            assert_eq!(table.counts.last().map(|&(s, n)| s + n), Some(1 << PROB_BITS));
         }
     }
 
@@ -235,8 +256,8 @@ mod tests {
         for scale in 0..SCALES {
             let member = Member::new(scale, 1);
             for r in [0, 1, -1, 2, 77, -78, 65_535, -65_536, i32::MAX, i32::MIN, 123_456_789] {
-                let (symbol, plain) = member.split(r);
-                assert_eq!(member.join(symbol, plain), r, "scale {scale}");
+                let symbol = Member::symbol(r, member.plain_bits);
+                assert_eq!(member.join(symbol, member.plain(r)), r, "scale {scale}");
             }
         }
     }

@@ -2,121 +2,164 @@
 //!
 //! Layout: presets byte (bit 0: 64-bit arithmetic; then two bits a kind), the page's base height (signed varint), the
 //! length of the plain bits (varint), the plain bits, the range coder's bytes. The plain bits begin with the
-//! distributions: per kind the first and the number of the contexts used (6 bits each), and for each of these one bit; when it is set,
-//! 6 bits of scale (less 32, over the context's usual one) and 2 of shape follow, else the usual ones hold.
+//! distributions: per kind the first and the number of the contexts used (6 bits each), and for each of these one bit;
+//! when it is set, 6 bits of scale (less 32, over the context's usual one) and 2 of shape follow, else the usual ones hold.
 
-use super::bits::{BitReader, BitWriter, put_varint, take_varint, unzigzag, zigzag};
+use super::bits::{BitReader, BitWriter, put_varint, take, take_varint, unzigzag, zigzag};
 use super::family::{ESCAPE, FAMILY, Member, SCALES, SHAPES, nearest_scale};
-use super::model::{CONTEXTS, Height, KINDS, Kind, PRESETS, Planes, default_scale};
-use super::rans::{Decoder, Encoder, LANES};
+use super::model::{CONTEXTS, Extent, Height, KINDS, PRESETS, Planes, default_scale};
+use super::rans::{Decoder, Encoder};
 
 /// Shape of the distribution of a context that names none.
 const USUAL_SHAPE: usize = 1;
+/// Symbols and histograms reach this far; what lies beyond counts as this.
+const HALF: i32 = ESCAPE;
 
-/// What part of the planes is coded.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Extent {
-    /// Squares of the coarser page covered.
-    pub(super) nx: usize,
-    pub(super) ny: usize,
-    /// Whether the last H and D column repeats the last even one (the grid ends between lattice columns).
-    pub(super) repeats_column: bool,
-    /// The same for the last V and D row.
-    pub(super) repeats_row: bool,
-}
-
-impl Extent {
-    /// Of a page `width` × `height` points large.
-    pub(super) fn of(width: u32, height: u32) -> Self {
-        Self {
-            nx: (width / 2) as usize,
-            ny: (height / 2) as usize,
-            repeats_column: width.is_multiple_of(2),
-            repeats_row: height.is_multiple_of(2),
-        }
-    }
-
-    /// Columns and rows of a kind that are coded.
-    fn coded(self, kind: Kind) -> [usize; 2] {
-        let inner = [self.nx - usize::from(self.repeats_column), self.ny - usize::from(self.repeats_row)];
-        match kind {
-            Kind::H => [inner[0], self.ny + 1],
-            Kind::V => [self.nx + 1, inner[1]],
-            Kind::D => inner,
-        }
-    }
-}
-
-impl<T: Height> Planes<T> {
-    /// Sets the points of a kind that repeat an even column or row.
-    fn repeat(&mut self, extent: Extent, kind: Kind) {
-        let Extent { nx, ny, repeats_column, repeats_row } = extent;
-        match kind {
-            Kind::H if repeats_column => {
-                for y in 0..=ny {
-                    self.h.row_mut(y)[nx - 1] = self.e.row(y)[nx];
-                }
-            }
-            Kind::V if repeats_row => {
-                let below = self.e.row(ny);
-                self.v.row_mut(ny - 1).copy_from_slice(below);
-            }
-            Kind::D => {
-                if repeats_column {
-                    for y in 0..ny {
-                        self.d.row_mut(y)[nx - 1] = self.v.row(y)[nx];
-                    }
-                }
-                if repeats_row {
-                    let below = self.h.row(ny);
-                    self.d.row_mut(ny - 1).copy_from_slice(below);
-                }
-            }
-            _ => {}
-        }
-    }
-}
-
-/// Residuals of one kind with their contexts, row by row.
-struct Residuals {
+/// One kind of a page, coded but for its bytes.
+struct Coded {
     columns: usize,
-    values: Vec<i32>,
+    residuals: Vec<i32>,
     contexts: Vec<u8>,
+    symbols: Vec<i8>,
+    members: [Member; CONTEXTS],
+}
+
+impl Coded {
+    fn new(columns: usize, rows: usize) -> Self {
+        let count = columns * rows;
+        let members = [Member::new(0, USUAL_SHAPE); CONTEXTS];
+        Self { columns, residuals: vec![0; count], contexts: vec![0; count], symbols: vec![0; count], members }
+    }
+
+    /// Chooses a distribution for every context, writes the choice, and turns residuals into symbols.
+    fn choose_members(&mut self, bits: &mut BitWriter) {
+        let mut counts = [0u32; CONTEXTS];
+        let mut sums = [0u64; CONTEXTS];
+        for (&r, &c) in self.residuals.iter().zip(&self.contexts) {
+            let c = usize::from(c).min(CONTEXTS - 1);
+            counts[c] += 1;
+            sums[c] += u64::from(r.unsigned_abs());
+        }
+        // a mean tells the scale to within a step or two, and how many bits go plain
+        let scales: [u32; CONTEXTS] = std::array::from_fn(|c| {
+            let usual = default_scale(c);
+            let nearest = if counts[c] == 0 { usual } else { nearest_scale(sums[c] as f32 / counts[c] as f32) };
+            nearest.clamp(usual.saturating_sub(32), (usual + 31).min(SCALES - 1))
+        });
+        let plain: [u32; CONTEXTS] = scales.map(|scale| Member::new(scale, 0).plain_bits);
+        let mut histograms = vec![[0u32; 2 * HALF as usize + 1]; CONTEXTS];
+        for ((&r, &c), symbol) in self.residuals.iter().zip(&self.contexts).zip(&mut self.symbols) {
+            let c = usize::from(c).min(CONTEXTS - 1);
+            let clamped = Member::symbol(r, plain[c]).clamp(-i64::from(HALF), i64::from(HALF));
+            *symbol = clamped as i8;
+            histograms[c][(clamped as i32 + HALF) as usize] += 1;
+        }
+        let first = counts.iter().position(|&n| n > 0).unwrap_or(0);
+        let end = counts.iter().rposition(|&n| n > 0).map_or(first, |c| c + 1);
+        bits.put(first as u32, 6);
+        bits.put((end - first) as u32, 6);
+        for c in first..end {
+            let choice = choose(c, scales[c], counts[c], &histograms[c]);
+            bits.put(u32::from(choice.is_some()), 1);
+            if let Some((scale, shape)) = choice {
+                bits.put(scale + 32 - default_scale(c), 6);
+                bits.put(shape as u32, 2);
+            }
+            let (scale, shape) = choice.unwrap_or((default_scale(c), USUAL_SHAPE));
+            self.members[c] = Member::new(scale, shape);
+        }
+    }
+
+    /// Writes what the symbols leave: the rest of the escaped ones, and low bits.
+    fn put_plain(&self, bits: &mut BitWriter) {
+        let family = &*FAMILY;
+        let any_plain = self.members.iter().any(|m| m.plain_bits > 0);
+        let least_reach = self.members.iter().map(|m| family.frequencies[m.table].reach).min().unwrap_or(0);
+        let greatest = self.symbols.iter().fold(0, |greatest, s| s.unsigned_abs().max(greatest));
+        if !any_plain && i32::from(greatest) <= least_reach {
+            return;
+        }
+        for ((&residual, &context), &symbol) in self.residuals.iter().zip(&self.contexts).zip(&self.symbols) {
+            let member = self.members[usize::from(context)];
+            let frequencies = &family.frequencies[member.table];
+            if frequencies.escapes(symbol) {
+                let size = Member::symbol(residual, member.plain_bits).unsigned_abs();
+                bits.put_gamma((size - frequencies.reach as u64 - 1) as u32);
+            }
+            if member.plain_bits > 0 {
+                bits.put(member.plain(residual), member.plain_bits);
+            }
+        }
+    }
+
+    fn put_symbols(&self, encoder: &mut Encoder) {
+        let family = &*FAMILY;
+        let tables = self.members.map(|m| &family.frequencies[m.table]);
+        if self.columns == 0 {
+            return;
+        }
+        let rows = self.symbols.chunks_exact(self.columns).zip(self.contexts.chunks_exact(self.columns));
+        for (symbols, contexts) in rows.rev() {
+            encoder.row(symbols.len(), |x| tables[usize::from(contexts[x])].span(symbols[x]));
+        }
+    }
+}
+
+/// The cheapest distribution for a context's histogram; `None` for the usual one.
+fn choose(context: usize, scale: u32, count: u32, histogram: &[u32]) -> Option<(u32, usize)> {
+    let family = &*FAMILY;
+    let plain_bits = Member::new(scale, 0).plain_bits;
+    let first = histogram.iter().position(|&n| n > 0).unwrap_or(0);
+    let last = histogram.iter().rposition(|&n| n > 0).unwrap_or(first);
+    let cost = |scale: u32, shape: usize| -> f32 {
+        let table = &family.frequencies[Member::new(scale, shape).table];
+        let symbols = table.costs()[first..=last].iter().zip(&histogram[first..=last]);
+        symbols.map(|(cost, &n)| n as f32 * cost).sum::<f32>() + (plain_bits * count) as f32
+    };
+    let usual = default_scale(context);
+    let same = |s: u32| Member::new(s, 0).plain_bits == plain_bits;
+    // what naming a distribution costs
+    let mut least = if same(usual) { cost(usual, USUAL_SHAPE) - 8.0 } else { f32::INFINITY };
+    let mut best = None;
+    let (low, high) = (usual.saturating_sub(32), (usual + 31).min(SCALES - 1));
+    // tails shift the best scale of a shape away from the mean's; costs have one valley
+    for shape in 0..SHAPES {
+        let mut at = scale;
+        let mut lowest = cost(at, shape);
+        for step in [-1i64, 1] {
+            while let Some(next) =
+                u32::try_from(i64::from(at) + step).ok().filter(|&s| (low..=high).contains(&s) && same(s))
+            {
+                let bits = cost(next, shape);
+                if bits >= lowest {
+                    break;
+                }
+                (at, lowest) = (next, bits);
+            }
+        }
+        if lowest < least {
+            (best, least) = (Some((at, shape)), lowest);
+        }
+    }
+    best
 }
 
 /// Codes the new points of `planes`, all of whose heights are set (relative to `base`).
 pub(super) fn encode<T: Height>(planes: &mut Planes<T>, extent: Extent, base: i32, wide: bool) -> Vec<u8> {
-    planes.e.fill_margin();
     let mut presets = u8::from(wide);
+    let mut coded = residuals(planes, extent, &mut presets);
     let mut bits = BitWriter::default();
-    let mut coded = Vec::new();
-    for kind in KINDS {
-        let preset = best_preset(planes, extent, kind);
-        presets |= (preset as u8) << (1 + 2 * kind as u32);
-        let residuals = residuals(planes, extent, kind, preset);
-        let members = choose_members(&residuals, &mut bits);
-        coded.push((residuals, members));
-    }
-    let mut plain = bits;
-    for (residuals, members) in &coded {
-        put_plain(residuals, members, &mut plain);
-    }
     let mut encoder = Encoder::new();
-    for (residuals, members) in coded.iter().rev() {
-        if residuals.columns == 0 {
-            continue;
-        }
-        let rows = residuals.values.chunks(residuals.columns).zip(residuals.contexts.chunks(residuals.columns));
-        for (values, contexts) in rows.rev() {
-            for (x, (&value, &context)) in values.iter().zip(contexts).enumerate().rev() {
-                let member = members[usize::from(context)];
-                let frequencies = &FAMILY.frequencies[member.table];
-                let symbol = frequencies.clip(member.split(value).0);
-                encoder.put(x % LANES, frequencies.span(symbol));
-            }
-        }
+    for kind in &mut coded {
+        kind.choose_members(&mut bits);
     }
-    let plain = plain.finish();
+    for kind in &coded {
+        kind.put_plain(&mut bits);
+    }
+    for kind in coded.iter().rev() {
+        kind.put_symbols(&mut encoder);
+    }
+    let plain = bits.finish();
     let mut out = vec![presets];
     put_varint(&mut out, zigzag(i64::from(base)));
     put_varint(&mut out, plain.len() as u64);
@@ -125,119 +168,59 @@ pub(super) fn encode<T: Height>(planes: &mut Planes<T>, extent: Extent, base: i3
     out
 }
 
-/// The preset with the smallest residuals on every fourth row.
-fn best_preset<T: Height>(planes: &Planes<T>, extent: Extent, kind: Kind) -> usize {
-    let [columns, rows] = extent.coded(kind);
-    let mut prediction = vec![T::default(); columns];
-    let mut sums = [0u64; PRESETS];
-    for y in (rows.min(2) / 2..rows).step_by(4) {
-        let row = planes.plane(kind).row(y);
-        for (preset, sum) in sums.iter_mut().enumerate() {
-            planes.predict_row(kind, preset, y, &mut prediction);
-            let row_sum: u32 = prediction.iter().zip(row).map(|(&p, &z)| z.minus(p).size() as u32).sum();
-            *sum += u64::from(row_sum);
-        }
+/// Residuals and contexts of all kinds; adds the presets they were foretold with.
+fn residuals<T: Height>(planes: &mut Planes<T>, extent: Extent, presets: &mut u8) -> [Coded; 3] {
+    #[cfg(target_arch = "x86_64")]
+    if super::has_avx2() {
+        // SAFETY: the processor has the instructions, as just asked.
+        return unsafe { residuals_avx2(planes, extent, presets) };
     }
-    (0..PRESETS).min_by_key(|&p| sums[p]).unwrap_or(0)
+    residuals_body(planes, extent, presets)
 }
 
-fn residuals<T: Height>(planes: &mut Planes<T>, extent: Extent, kind: Kind, preset: usize) -> Residuals {
-    let [columns, rows] = extent.coded(kind);
-    let mut out = Residuals { columns, values: vec![0; columns * rows], contexts: vec![0; columns * rows] };
-    let mut prediction = vec![T::default(); columns];
-    for y in 0..rows {
-        let values = &mut out.values[y * columns..][..columns];
-        planes.context_row(kind, y, &mut out.contexts[y * columns..][..columns]);
-        planes.predict_row(kind, preset, y, &mut prediction);
-        for ((value, &p), &z) in values.iter_mut().zip(&prediction).zip(planes.plane(kind).row(y)) {
-            *value = z.minus(p).low32();
-        }
-        set_sizes(planes, kind, y, values);
-    }
-    planes.complete(kind);
-    out
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,bmi1,bmi2")]
+fn residuals_avx2<T: Height>(planes: &mut Planes<T>, extent: Extent, presets: &mut u8) -> [Coded; 3] {
+    residuals_body(planes, extent, presets)
 }
 
 #[inline(always)]
-fn set_sizes<T: Height>(planes: &mut Planes<T>, kind: Kind, y: usize, residuals: &[i32]) {
-    for (size, r) in planes.sizes[kind as usize].row_mut(y).iter_mut().zip(residuals) {
-        *size = r.size();
-    }
-}
-
-/// Chooses a distribution for every context and writes the choice.
-fn choose_members(residuals: &Residuals, bits: &mut BitWriter) -> [Member; CONTEXTS] {
-    let mut counts = [0u32; CONTEXTS];
-    let mut sums = [0u64; CONTEXTS];
-    for (&r, &c) in residuals.values.iter().zip(&residuals.contexts) {
-        counts[usize::from(c)] += 1;
-        sums[usize::from(c)] += u64::from(r.unsigned_abs());
-    }
-    let scales: [u32; CONTEXTS] = std::array::from_fn(|c| {
-        let usual = default_scale(c);
-        let nearest = if counts[c] == 0 { usual } else { nearest_scale(sums[c] as f32 / counts[c] as f32) };
-        nearest.clamp(usual.saturating_sub(32), (usual + 31).min(SCALES - 1))
+fn residuals_body<T: Height>(planes: &mut Planes<T>, extent: Extent, presets: &mut u8) -> [Coded; 3] {
+    planes.e.fill_margin();
+    let mut out = KINDS.map(|kind| {
+        let [columns, rows] = extent.coded(kind);
+        Coded::new(columns, rows)
     });
-    // histograms of what each context's scale leaves as symbols
-    const HALF: i64 = 64;
-    let mut histograms = vec![[0u32; 2 * HALF as usize + 1]; CONTEXTS];
-    for (&r, &c) in residuals.values.iter().zip(&residuals.contexts) {
-        let symbol = Member::new(scales[usize::from(c)], 0).split(r).0;
-        histograms[usize::from(c)][(symbol.clamp(-HALF, HALF) + HALF) as usize] += 1;
-    }
-    let first = counts.iter().position(|&n| n > 0).unwrap_or(0);
-    let end = counts.iter().rposition(|&n| n > 0).map_or(first, |c| c + 1);
-    bits.put(first as u32, 6);
-    bits.put((end - first) as u32, 6);
-    let mut members = [Member::new(0, USUAL_SHAPE); CONTEXTS];
-    for c in first..end {
-        let usual = default_scale(c);
-        let cost = |scale: u32, shape: usize| -> f32 {
-            let member = Member::new(scale, shape);
-            let table = &FAMILY.frequencies[member.table];
-            let symbols = (-HALF as i32..).zip(&histograms[c]).filter(|(_, n)| **n > 0);
-            let symbols: f32 = symbols.map(|(s, &n)| n as f32 * table.cost(s)).sum();
-            symbols + (member.plain_bits * counts[c]) as f32
-        };
-        let plain_bits = Member::new(scales[c], 0).plain_bits;
-        let (low, high) = (usual.saturating_sub(32), (usual + 31).min(SCALES - 1));
-        let candidates = (scales[c].saturating_sub(4).max(low)..=(scales[c] + 4).min(high))
-            .filter(|&s| Member::new(s, 0).plain_bits == plain_bits)
-            .flat_map(|scale| (0..SHAPES).map(move |shape| (scale, shape)));
-        let (mut best, mut least) = (None, f32::INFINITY);
-        if Member::new(usual, 0).plain_bits == plain_bits {
-            least = cost(usual, USUAL_SHAPE) - 8.0;
-        }
-        for (scale, shape) in candidates {
-            let bits = cost(scale, shape);
-            if bits < least {
-                (best, least) = (Some((scale, shape)), bits);
+    let mut prediction = [T::default(); ROW];
+    for (kind, coded) in KINDS.into_iter().zip(&mut out) {
+        let [columns, rows] = extent.coded(kind);
+        let prediction = &mut prediction[..columns];
+        // the preset with the smallest residuals on every eighth row
+        let mut sums = [0u64; PRESETS];
+        for y in (rows.min(4) / 2..rows).step_by(8) {
+            for (preset, sum) in sums.iter_mut().enumerate() {
+                planes.predict_row(kind, preset, y, prediction);
+                let mut row_sum = 0;
+                for (&p, &z) in prediction.iter().zip(planes.plane(kind).row(y)) {
+                    row_sum += z.minus(p).size() as u32;
+                }
+                *sum += u64::from(row_sum);
             }
         }
-        bits.put(u32::from(best.is_some()), 1);
-        if let Some((scale, shape)) = best {
-            bits.put(scale + 32 - usual, 6);
-            bits.put(shape as u32, 2);
+        let preset = (0..PRESETS).min_by_key(|&p| sums[p]).unwrap_or(0);
+        *presets |= (preset as u8) << (1 + 2 * kind as u32);
+        for y in 0..rows {
+            let values = &mut coded.residuals[y * columns..][..columns];
+            planes.context_row(kind, y, &mut coded.contexts[y * columns..][..columns]);
+            planes.predict_row(kind, preset, y, prediction);
+            for ((value, &p), &z) in values.iter_mut().zip(&*prediction).zip(planes.plane(kind).row(y)) {
+                *value = z.minus(p).low32();
+            }
+            planes.set_sizes(kind, y, values);
         }
-        let (scale, shape) = best.unwrap_or((usual, USUAL_SHAPE));
-        members[c] = Member::new(scale, shape);
+        planes.complete(kind);
     }
-    members
-}
-
-/// Writes what the symbols leave: low bits, and the rest of the escaped ones.
-fn put_plain(residuals: &Residuals, members: &[Member; CONTEXTS], bits: &mut BitWriter) {
-    for (&value, &context) in residuals.values.iter().zip(&residuals.contexts) {
-        let member = members[usize::from(context)];
-        let frequencies = &FAMILY.frequencies[member.table];
-        let (symbol, plain) = member.split(value);
-        if symbol.unsigned_abs() > frequencies.reach as u64 {
-            bits.put_gamma((symbol.unsigned_abs() - frequencies.reach as u64 - 1) as u32);
-        }
-        if member.plain_bits > 0 {
-            bits.put(plain, member.plain_bits);
-        }
-    }
+    out
 }
 
 /// Reads the base height and the arithmetic: what the even points must be made relative to before [`decode`].
@@ -249,9 +232,25 @@ pub(super) fn decode_head(bytes: &mut &[u8]) -> Option<(u8, i32)> {
 }
 
 /// Sets the new points of `planes`, whose even ones are set; `None` when the bytes are no page's.
-pub(super) fn decode<T: Height>(planes: &mut Planes<T>, extent: Extent, presets: u8, mut bytes: &[u8]) -> Option<()> {
+pub(super) fn decode<T: Height>(planes: &mut Planes<T>, extent: Extent, presets: u8, bytes: &[u8]) -> Option<()> {
+    #[cfg(target_arch = "x86_64")]
+    if super::has_avx2() {
+        // SAFETY: the processor has the instructions, as just asked.
+        return unsafe { decode_avx2(planes, extent, presets, bytes) };
+    }
+    decode_body(planes, extent, presets, bytes)
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,bmi1,bmi2")]
+fn decode_avx2<T: Height>(planes: &mut Planes<T>, extent: Extent, presets: u8, bytes: &[u8]) -> Option<()> {
+    decode_body(planes, extent, presets, bytes)
+}
+
+#[inline(always)]
+fn decode_body<T: Height>(planes: &mut Planes<T>, extent: Extent, presets: u8, mut bytes: &[u8]) -> Option<()> {
     let length = usize::try_from(take_varint(&mut bytes)?).ok()?;
-    let plain = super::bits::take(&mut bytes, length)?;
+    let plain = take(&mut bytes, length)?;
     let mut bits = BitReader::new(plain);
     let mut members = [[Member::new(0, USUAL_SHAPE); CONTEXTS]; 3];
     for kind_members in &mut members {
@@ -261,25 +260,24 @@ pub(super) fn decode<T: Height>(planes: &mut Planes<T>, extent: Extent, presets:
     let mut decoder = Decoder::new(bytes)?;
     planes.e.fill_margin();
     for (kind, members) in KINDS.into_iter().zip(&members) {
-        let tables: [u16; CONTEXTS] = members.map(|m| m.table as u16);
+        let begins: [u32; 64] = std::array::from_fn(|c| members[c.min(CONTEXTS - 1)].begin());
         let any_plain = members.iter().any(|m| m.plain_bits > 0);
         let preset = usize::from(presets >> (1 + 2 * kind as u32) & 3);
         let [columns, rows] = extent.coded(kind);
-        let mut prediction = vec![T::default(); columns];
-        let mut contexts = vec![0u8; columns];
-        let mut row_tables = vec![0u16; columns];
-        let mut symbols = vec![0i8; columns];
-        let mut values = vec![0i32; columns];
+        // a row has at most 129 new points of a kind
+        let (mut prediction, mut contexts) = ([T::default(); ROW], [0u8; ROW]);
+        let (mut symbols, mut values) = ([0i8; ROW], [0i32; ROW]);
+        let prediction = prediction.get_mut(..columns)?;
+        let (contexts, symbols) = (contexts.get_mut(..columns)?, symbols.get_mut(..columns)?);
+        let values = values.get_mut(..columns)?;
         for y in 0..rows {
-            planes.context_row(kind, y, &mut contexts);
-            for (table, &c) in row_tables.iter_mut().zip(&contexts) {
-                *table = tables[usize::from(c) % CONTEXTS];
-            }
-            decoder.row(&row_tables, &family.slots, &mut symbols);
-            let escapes = symbols.iter().fold(false, |any, &s| any | (i32::from(s).abs() == ESCAPE));
+            planes.context_row(kind, y, contexts);
+            decoder.row(contexts, &begins, &family.slots, symbols);
+            // ±64 are the only symbols whose low seven bits are 64 or so: the escapes
+            let escapes = symbols.iter().fold(false, |any, s| any | (s.wrapping_add(ESCAPE as i8) & 0x7F == 0));
             if escapes || any_plain {
-                for ((value, &symbol), &c) in values.iter_mut().zip(&symbols).zip(&contexts) {
-                    let member = members[usize::from(c) % CONTEXTS];
+                for ((value, &symbol), &c) in values.iter_mut().zip(&*symbols).zip(&*contexts) {
+                    let member = members[usize::from(c).min(CONTEXTS - 1)];
                     let mut whole = i64::from(symbol);
                     if i32::from(symbol).abs() == ESCAPE {
                         let reach = i64::from(family.frequencies[member.table].reach);
@@ -288,16 +286,16 @@ pub(super) fn decode<T: Height>(planes: &mut Planes<T>, extent: Extent, presets:
                     *value = member.join(whole, bits.get(member.plain_bits));
                 }
             } else {
-                for (value, &symbol) in values.iter_mut().zip(&symbols) {
+                for (value, &symbol) in values.iter_mut().zip(&*symbols) {
                     *value = i32::from(symbol);
                 }
             }
-            planes.predict_row(kind, preset, y, &mut prediction);
+            planes.predict_row(kind, preset, y, prediction);
             let plane = planes.plane_mut(kind);
-            for ((z, &p), &r) in plane.row_mut(y).iter_mut().zip(&prediction).zip(&values) {
+            for ((z, &p), &r) in plane.row_mut(y).iter_mut().zip(&*prediction).zip(&*values) {
                 *z = T::of(p.plus(T::of(r)).low32());
             }
-            set_sizes(planes, kind, y, &values);
+            planes.set_sizes(kind, y, values);
         }
         planes.repeat(extent, kind);
         planes.complete(kind);
@@ -305,18 +303,20 @@ pub(super) fn decode<T: Height>(planes: &mut Planes<T>, extent: Extent, presets:
     (decoder.is_exhausted() && bits.is_exhausted()).then_some(())
 }
 
+/// Room for a row of one kind.
+const ROW: usize = 132;
+
 fn read_members(bits: &mut BitReader<'_>, members: &mut [Member; CONTEXTS]) -> Option<()> {
-    for (c, member) in members.iter_mut().enumerate() {
-        *member = Member::new(default_scale(c), USUAL_SHAPE);
-    }
     let first = bits.get(6) as usize;
     let count = bits.get(6) as usize;
     let used = members.get_mut(first..first + count)?;
     for (c, member) in (first..).zip(used) {
-        if bits.get(1) == 1 {
+        *member = if bits.get(1) == 1 {
             let scale = (default_scale(c) + bits.get(6)).checked_sub(32).filter(|&s| s < SCALES)?;
-            *member = Member::new(scale, bits.get(2) as usize);
-        }
+            Member::new(scale, bits.get(2) as usize)
+        } else {
+            Member::new(default_scale(c), USUAL_SHAPE)
+        };
     }
     Some(())
 }

@@ -8,6 +8,7 @@
 
 mod bits;
 mod cache;
+mod error_steps;
 mod errors;
 mod family;
 mod heights;
@@ -26,3 +27,9 @@ pub use page::{EncodedPage, PageCodec};
 pub use quantum::{Quantum, QuantumFinder};
 pub use reader::TerrainStore;
 pub use writer::TerrainWriter;
+
+/// Whether the loops may be run as compiled for processors of about 2013 and later: same results, sooner.
+#[cfg(target_arch = "x86_64")]
+fn has_avx2() -> bool {
+    std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("bmi2")
+}

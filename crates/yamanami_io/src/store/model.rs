@@ -8,6 +8,8 @@
 //! contexts of a residual (sizes of its neighbours and the bend of the ground) follow Wu, Memon, "Context-based,
 //! adaptive, lossless image coding", 1997.
 
+use std::cell::RefCell;
+
 /// Kinds of new points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
@@ -35,7 +37,10 @@ pub(super) const CONTEXTS: usize = 56;
 const SIZE_CAP: u32 = 1 << 23;
 
 /// Arithmetic of heights: wrapping, in 32 bits where a page's range allows, else in 64.
-pub(super) trait Height: Copy + Default {
+pub(super) trait Height: Copy + Default + 'static {
+    /// Room for a page, kept by each thread from page to page.
+    fn with_scratch<R>(work: impl FnOnce(&mut Planes<Self>) -> R) -> R;
+
     fn of(value: i32) -> Self;
     fn low32(self) -> i32;
     fn plus(self, other: Self) -> Self;
@@ -46,6 +51,10 @@ pub(super) trait Height: Copy + Default {
 }
 
 impl Height for i32 {
+    fn with_scratch<R>(work: impl FnOnce(&mut Planes<Self>) -> R) -> R {
+        thread_local!(static SCRATCH: RefCell<Planes<i32>> = RefCell::default());
+        SCRATCH.with(|planes| work(&mut planes.borrow_mut()))
+    }
     #[inline(always)]
     fn of(value: i32) -> Self {
         value
@@ -77,6 +86,10 @@ impl Height for i32 {
 }
 
 impl Height for i64 {
+    fn with_scratch<R>(work: impl FnOnce(&mut Planes<Self>) -> R) -> R {
+        thread_local!(static SCRATCH: RefCell<Planes<i64>> = RefCell::default());
+        SCRATCH.with(|planes| work(&mut planes.borrow_mut()))
+    }
     #[inline(always)]
     fn of(value: i32) -> Self {
         i64::from(value)
@@ -107,17 +120,53 @@ impl Height for i64 {
     }
 }
 
+/// What part of a page's planes is coded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Extent {
+    /// Squares of the coarser page covered.
+    pub(super) nx: usize,
+    pub(super) ny: usize,
+    /// Whether the last H and D column repeats the last even one (the grid ends between lattice columns).
+    pub(super) repeats_column: bool,
+    /// The same for the last V and D row.
+    pub(super) repeats_row: bool,
+}
+
+impl Extent {
+    /// Of a page `width` × `height` points large.
+    pub(super) fn of(width: u32, height: u32) -> Self {
+        Self {
+            nx: (width / 2) as usize,
+            ny: (height / 2) as usize,
+            repeats_column: width.is_multiple_of(2),
+            repeats_row: height.is_multiple_of(2),
+        }
+    }
+
+    /// Columns and rows of a kind that are coded.
+    pub(super) fn coded(self, kind: Kind) -> [usize; 2] {
+        let inner = [self.nx - usize::from(self.repeats_column), self.ny - usize::from(self.repeats_row)];
+        match kind {
+            Kind::H => [inner[0], self.ny + 1],
+            Kind::V => [self.nx + 1, inner[1]],
+            Kind::D => inner,
+        }
+    }
+}
+
 /// A grid with a margin of one cell all around.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Plane<T> {
-    pub(super) width: usize,
-    pub(super) height: usize,
+    width: usize,
+    height: usize,
     cells: Vec<T>,
 }
 
 impl<T: Copy + Default> Plane<T> {
-    pub(super) fn new(width: usize, height: usize) -> Self {
-        Self { width, height, cells: vec![T::default(); (width + 2) * (height + 2)] }
+    pub(super) fn reset(&mut self, width: usize, height: usize) {
+        (self.width, self.height) = (width, height);
+        self.cells.clear();
+        self.cells.resize((width + 2) * (height + 2), T::default());
     }
 
     /// Row `y` from -1 to `height`, its margin cells included: column `x` is at `x + 1`.
@@ -158,6 +207,13 @@ impl<T: Copy + Default> Plane<T> {
     }
 }
 
+impl<T: Copy + Default> Plane<T> {
+    /// Continues values past the border unchanged.
+    pub(super) fn repeat_margin(&mut self) {
+        self.fill_margin_by(|a, _| a);
+    }
+}
+
 impl<T: Height> Plane<T> {
     /// Continues heights past the border as a point reflection.
     pub(super) fn fill_margin(&mut self) {
@@ -166,7 +222,7 @@ impl<T: Height> Plane<T> {
 }
 
 /// The planes of a page, and the sizes of the residuals of the new ones.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Planes<T> {
     pub(super) e: Plane<T>,
     pub(super) h: Plane<T>,
@@ -177,14 +233,50 @@ pub(super) struct Planes<T> {
 }
 
 impl<T: Height> Planes<T> {
-    /// For a page that covers `nx` × `ny` squares of the coarser one.
-    pub(super) fn new(nx: usize, ny: usize) -> Self {
-        Self {
-            e: Plane::new(nx + 1, ny + 1),
-            h: Plane::new(nx, ny + 1),
-            v: Plane::new(nx + 1, ny),
-            d: Plane::new(nx, ny),
-            sizes: [Plane::new(nx, ny + 1), Plane::new(nx + 1, ny), Plane::new(nx, ny)],
+    /// Makes room for a page, all sizes zero; even points are to be set next.
+    pub(super) fn reset(&mut self, Extent { nx, ny, .. }: Extent) {
+        self.e.reset(nx + 1, ny + 1);
+        self.h.reset(nx, ny + 1);
+        self.v.reset(nx + 1, ny);
+        self.d.reset(nx, ny);
+        self.sizes[0].reset(nx, ny + 1);
+        self.sizes[1].reset(nx + 1, ny);
+        self.sizes[2].reset(nx, ny);
+    }
+
+    /// Sets the points of a kind that repeat an even column or row.
+    pub(super) fn repeat(&mut self, extent: Extent, kind: Kind) {
+        let Extent { nx, ny, repeats_column, repeats_row } = extent;
+        match kind {
+            Kind::H if repeats_column => {
+                for y in 0..=ny {
+                    self.h.row_mut(y)[nx - 1] = self.e.row(y)[nx];
+                }
+            }
+            Kind::V if repeats_row => {
+                let below = self.e.row(ny);
+                self.v.row_mut(ny - 1).copy_from_slice(below);
+            }
+            Kind::D => {
+                if repeats_column {
+                    for y in 0..ny {
+                        self.d.row_mut(y)[nx - 1] = self.v.row(y)[nx];
+                    }
+                }
+                if repeats_row {
+                    let below = self.h.row(ny);
+                    self.d.row_mut(ny - 1).copy_from_slice(below);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// Notes the sizes of a row's residuals.
+    #[inline(always)]
+    pub(super) fn set_sizes(&mut self, kind: Kind, y: usize, residuals: &[i32]) {
+        for (size, r) in self.sizes[kind as usize].row_mut(y).iter_mut().zip(residuals) {
+            *size = r.size();
         }
     }
 
@@ -207,17 +299,19 @@ impl<T: Height> Planes<T> {
     /// To be called when a kind is complete, before the next is foretold.
     pub(super) fn complete(&mut self, kind: Kind) {
         self.plane_mut(kind).fill_margin();
-        self.sizes[kind as usize].fill_margin_by(|a, _| a);
+        self.sizes[kind as usize].repeat_margin();
     }
 
     /// Foretells row `y` of a kind into `out`, whose length tells how many columns.
+    #[inline(always)]
     pub(super) fn predict_row(&self, kind: Kind, preset: usize, y: usize, out: &mut [T]) {
         let n = out.len();
         let y = y as isize;
         match kind {
             Kind::H => {
                 let [a, b, c] = H_WEIGHTS[preset];
-                let (e, above, below) = (cut(&self.e, y, n + 3), cut(&self.e, y - 1, n + 3), cut(&self.e, y + 1, n + 3));
+                let (e, above, below) =
+                    (cut(&self.e, y, n + 3), cut(&self.e, y - 1, n + 3), cut(&self.e, y + 1, n + 3));
                 for x in 0..n {
                     let near = e[x + 1].plus(e[x + 2]).times(a);
                     let next = e[x].plus(e[x + 3]).times(b);
@@ -254,6 +348,7 @@ impl<T: Height> Planes<T> {
     }
 
     /// Tells the context of each point of row `y` of a kind, from what is known before that row.
+    #[inline(always)]
     pub(super) fn context_row(&self, kind: Kind, y: usize, out: &mut [u8]) {
         let n = out.len();
         let y = y as isize;

@@ -5,9 +5,10 @@
 //! See `docs/format.md`.
 
 use super::bits::{put_varint, take, take_varint, unzigzag, zigzag};
+use super::error_steps;
 use super::errors::{self, Ground, Steps};
-use super::heights::{self, Extent};
-use super::model::{Height, Kind, Planes};
+use super::heights;
+use super::model::{Extent, Height, Planes};
 use super::quantum::Quantum;
 use super::shown;
 use crate::IoError;
@@ -68,8 +69,9 @@ impl PageCodec {
         if size[0] < 2 || size[1] < 2 {
             return Err(bad("size of the grid", "at least 2x2 samples", format!("{}x{}", size[0], size[1])));
         }
-        let steps = Steps::new(error_steps_per_octave)
-            .ok_or_else(|| bad("error steps per octave", "a power of two up to 2048", error_steps_per_octave.to_string()))?;
+        let steps = Steps::new(error_steps_per_octave).ok_or_else(|| {
+            bad("error steps per octave", "a power of two up to 2048", error_steps_per_octave.to_string())
+        })?;
         if !(0.0..1e6).contains(&level0_slack_m) {
             return Err(bad("slack of level-0 errors", "0 to 1e6 m", format!("{level0_slack_m} m")));
         }
@@ -147,12 +149,8 @@ impl PageCodec {
         let is_base = id.level == self.lattice.levels();
         let height_bytes =
             if is_base { encode_base(&indices) } else { encode_new_points(&indices, width as usize, height as usize) };
-        let ground = Ground {
-            width: width as usize,
-            height: height as usize,
-            heights_m: &page.heights_m,
-            shown: &page.shown,
-        };
+        let ground =
+            Ground { width: width as usize, height: height as usize, heights_m: &page.heights_m, shown: &page.shown };
         let exceptions = || {
             let slacks = [0.0, self.level0_slack_m];
             let slacks = &slacks[..if slacks[1] > 0.0 { 2 } else { 1 }];
@@ -164,7 +162,7 @@ impl PageCodec {
         } else if let Some(bytes) = (id.level == 0).then(exceptions).flatten() {
             (ERRORS_EXCEPTIONS, bytes)
         } else {
-            (ERRORS_STEPS, errors::encode(ground, self.steps, &page.errors))
+            (ERRORS_STEPS, error_steps::encode(ground, self.steps, &page.errors))
         };
         let (shown_kind, shown_bytes) = if page.shown.iter().all(|&s| s & 3 == 3) {
             (SHOWN_ALL, Vec::new())
@@ -179,15 +177,19 @@ impl PageCodec {
         bytes.extend(height_bytes);
         bytes.extend(error_bytes);
         bytes.extend(shown_bytes);
-        let range = |range: [f32; 2], z: &f32| [range[0].min(*z), range[1].max(*z)];
-        let z_range_m = page.heights_m.iter().fold([f32::INFINITY, f32::NEG_INFINITY], range);
+        let z_range_m = range_of(&indices).map(|i| self.quantum.height_m(i));
         Ok(EncodedPage { id, bytes, z_range_m })
     }
 
     /// Reads a page from its bytes and its coarser page; says what is wrong when it cannot be that.
     ///
     /// Safe on any bytes: never panics, and allocates no more than a page takes.
-    pub fn decode_page(&self, id: PageId, bytes: &[u8], parent: Option<&TerrainPage>) -> Result<TerrainPage, &'static str> {
+    pub fn decode_page(
+        &self,
+        id: PageId,
+        bytes: &[u8],
+        parent: Option<&TerrainPage>,
+    ) -> Result<TerrainPage, &'static str> {
         let [width, height] = self.page_points(id).ok_or("no such page")?;
         let mut rest = bytes;
         let (&head, tail) = rest.split_first().ok_or("no bytes")?;
@@ -202,16 +204,15 @@ impl PageCodec {
             return Err("the head byte is not of this level");
         }
         let (columns, rows) = (width as usize, height as usize);
-        let indices = match parent {
+        let heights_m = match parent {
             Some(parent) if !is_base => {
                 let even = self.even_indices(id, [width, height], parent).ok_or("the coarser page does not fit")?;
-                decode_new_points(&even, columns, rows, height_bytes)
+                decode_new_points(&even, columns, rows, height_bytes, self.quantum)
             }
-            None if is_base => decode_base(columns * rows, height_bytes),
+            None if is_base => decode_base(columns * rows, height_bytes, self.quantum),
             _ => return Err("the coarser page is missing"),
         };
-        let indices = indices.ok_or("the heights are damaged")?;
-        let heights_m: Vec<f32> = indices.iter().map(|&i| self.quantum.height_m(i)).collect();
+        let heights_m = heights_m.ok_or("the heights are damaged")?;
         if self.quantum == Quantum::Bits && !heights_m.iter().all(|z| z.is_finite()) {
             return Err("a height is not a number");
         }
@@ -228,7 +229,7 @@ impl PageCodec {
         let ground = Ground { width: columns, height: rows, heights_m: &heights_m, shown: &shown };
         let errors = match head >> 1 & 3 {
             ERRORS_NONE if is_base => Some(vec![ErrorCode(0); columns * rows]),
-            ERRORS_STEPS if !is_base => errors::decode(ground, self.steps, error_bytes),
+            ERRORS_STEPS if !is_base => error_steps::decode(ground, self.steps, error_bytes),
             ERRORS_EXCEPTIONS if id.level == 0 && !is_base => errors::decode_exceptions(ground, error_bytes),
             _ => None,
         };
@@ -267,94 +268,103 @@ fn encode_base(indices: &[i32]) -> Vec<u8> {
     out
 }
 
-fn decode_base(count: usize, mut bytes: &[u8]) -> Option<Vec<i32>> {
+fn decode_base(count: usize, mut bytes: &[u8], quantum: Quantum) -> Option<Vec<f32>> {
     let mut last = 0i64;
-    let mut indices = Vec::with_capacity(count);
+    let mut heights_m = Vec::with_capacity(count);
     for _ in 0..count {
         last = last.checked_add(unzigzag(take_varint(&mut bytes)?))?;
-        indices.push(i32::try_from(last).ok()?);
+        heights_m.push(quantum.height_m(i32::try_from(last).ok()?));
     }
-    bytes.is_empty().then_some(indices)
+    bytes.is_empty().then_some(heights_m)
+}
+
+/// Least and greatest.
+fn range_of(indices: &[i32]) -> [i32; 2] {
+    indices.iter().fold([i32::MAX, i32::MIN], |[low, high], &i| [low.min(i), high.max(i)])
 }
 
 fn encode_new_points(indices: &[i32], width: usize, height: usize) -> Vec<u8> {
-    let (low, high) = indices.iter().fold((i32::MAX, i32::MIN), |(l, h), &i| (l.min(i), h.max(i)));
+    let [low, high] = range_of(indices);
     let extent = Extent::of(width as u32, height as u32);
     if i64::from(high) - i64::from(low) < NARROW_RANGE {
-        let mut planes = split::<i32>(indices, width, extent, low);
-        heights::encode(&mut planes, extent, low, false)
+        i32::with_scratch(|planes| {
+            split(planes, indices, width, extent, low);
+            heights::encode(planes, extent, low, false)
+        })
     } else {
-        let mut planes = split::<i64>(indices, width, extent, 0);
-        heights::encode(&mut planes, extent, 0, true)
+        i64::with_scratch(|planes| {
+            split(planes, indices, width, extent, 0);
+            heights::encode(planes, extent, 0, true)
+        })
     }
-}
-
-fn decode_new_points(even: &[i32], width: usize, height: usize, mut bytes: &[u8]) -> Option<Vec<i32>> {
-    let extent = Extent::of(width as u32, height as u32);
-    let (presets, base) = heights::decode_head(&mut bytes)?;
-    if presets & 1 == 0 {
-        let planes = with_even::<i32>(even, extent, base);
-        decode_planes(planes, extent, base, presets, width, height, bytes)
-    } else {
-        let planes = with_even::<i64>(even, extent, base);
-        decode_planes(planes, extent, base, presets, width, height, bytes)
-    }
-}
-
-fn with_even<T: Height>(even: &[i32], extent: Extent, base: i32) -> Planes<T> {
-    let mut planes = Planes::<T>::new(extent.nx, extent.ny);
-    for (y, row) in even.chunks_exact(extent.nx + 1).enumerate() {
-        for (e, &index) in planes.e.row_mut(y).iter_mut().zip(row) {
-            *e = T::of(index).minus(T::of(base));
-        }
-    }
-    planes
-}
-
-fn decode_planes<T: Height>(
-    mut planes: Planes<T>,
-    extent: Extent,
-    base: i32,
-    presets: u8,
-    width: usize,
-    height: usize,
-    bytes: &[u8],
-) -> Option<Vec<i32>> {
-    heights::decode(&mut planes, extent, presets, bytes)?;
-    let mut indices = vec![0; width * height];
-    for (y, out) in indices.chunks_exact_mut(width).enumerate() {
-        let (even, odd) = if y % 2 == 0 { (&planes.e, &planes.h) } else { (&planes.v, &planes.d) };
-        let (even, odd) = (even.row(y / 2), odd.row(y / 2));
-        let (pairs, last) = out.as_chunks_mut::<2>();
-        for ((pair, &e), &o) in pairs.iter_mut().zip(even).zip(odd) {
-            *pair = [e, o].map(|v| v.low32().wrapping_add(base));
-        }
-        if let [last] = last {
-            *last = even[width / 2].low32().wrapping_add(base);
-        }
-    }
-    Some(indices)
 }
 
 /// Splits a page into its planes, relative to `base`; where the grid ends between lattice columns or rows, the next even one
 /// takes the last one's place.
-fn split<T: Height>(indices: &[i32], width: usize, extent: Extent, base: i32) -> Planes<T> {
-    let mut planes = Planes::<T>::new(extent.nx, extent.ny);
-    let height = indices.len() / width;
+fn split<T: Height>(planes: &mut Planes<T>, indices: &[i32], width: usize, extent: Extent, base: i32) {
+    planes.reset(extent);
+    let last = indices.len() / width - 1;
     let at = |v: i32| T::of(v).minus(T::of(base));
     for y in 0..=2 * extent.ny {
-        let row = &indices[y.min(height - 1) * width..][..width];
-        let (even, odd) = if y % 2 == 0 { (Kind::H, None) } else { (Kind::D, Some(())) };
-        let odd_row = planes.plane_mut(even).row_mut(y / 2);
-        for (o, pair) in odd_row.iter_mut().zip(row.as_chunks::<2>().0) {
-            *o = at(pair[1]);
+        let row = &indices[y.min(last) * width..][..width];
+        let (even, odd) = if y % 2 == 0 { (&mut planes.e, &mut planes.h) } else { (&mut planes.v, &mut planes.d) };
+        let (even, odd) = (even.row_mut(y / 2), odd.row_mut(y / 2));
+        for ((e, o), pair) in even.iter_mut().zip(odd).zip(row.as_chunks::<2>().0) {
+            (*e, *o) = (at(pair[0]), at(pair[1]));
         }
-        let even_row = if odd.is_some() { planes.v.row_mut(y / 2) } else { planes.e.row_mut(y / 2) };
-        for (x, e) in even_row.iter_mut().enumerate() {
-            *e = at(row[(2 * x).min(width - 1)]);
-        }
+        even[extent.nx] = at(row[width - 1]);
     }
-    planes
+}
+
+/// The heights of a page from its even points' integers and its bytes.
+fn decode_new_points(
+    even: &[i32],
+    width: usize,
+    height: usize,
+    mut bytes: &[u8],
+    quantum: Quantum,
+) -> Option<Vec<f32>> {
+    let (presets, base) = heights::decode_head(&mut bytes)?;
+    if presets & 1 == 0 {
+        decode_with::<i32>(even, width, height, presets, base, bytes, quantum)
+    } else {
+        decode_with::<i64>(even, width, height, presets, base, bytes, quantum)
+    }
+}
+
+fn decode_with<T: Height>(
+    even: &[i32],
+    width: usize,
+    height: usize,
+    presets: u8,
+    base: i32,
+    bytes: &[u8],
+    quantum: Quantum,
+) -> Option<Vec<f32>> {
+    let extent = Extent::of(width as u32, height as u32);
+    T::with_scratch(|planes| {
+        planes.reset(extent);
+        for (y, row) in even.chunks_exact(extent.nx + 1).enumerate() {
+            for (e, &index) in planes.e.row_mut(y).iter_mut().zip(row) {
+                *e = T::of(index).minus(T::of(base));
+            }
+        }
+        heights::decode(planes, extent, presets, bytes)?;
+        let mut heights_m = Vec::with_capacity(width * height);
+        let mut indices = [0i32; PAGE_CELLS as usize + 2];
+        for y in 0..height {
+            let (even, odd) = if y % 2 == 0 { (&planes.e, &planes.h) } else { (&planes.v, &planes.d) };
+            let (even, odd) = (even.row(y / 2), odd.row(y / 2));
+            for ((pair, &e), &o) in indices.as_chunks_mut::<2>().0.iter_mut().zip(even).zip(odd) {
+                *pair = [e, o].map(|v| v.low32().wrapping_add(base));
+            }
+            if width % 2 == 1 {
+                indices[width - 1] = even[width / 2].low32().wrapping_add(base);
+            }
+            quantum.extend_heights(&indices[..width], &mut heights_m);
+        }
+        Some(heights_m)
+    })
 }
 
 #[cfg(test)]
@@ -363,8 +373,10 @@ mod tests {
 
     #[test]
     fn the_base_level_comes_back() {
-        let indices = [5, -3, i32::MAX, i32::MIN, 0];
-        assert_eq!(decode_base(5, &encode_base(&indices)).as_deref(), Some(&indices[..]));
-        assert_eq!(decode_base(4, &encode_base(&indices)), None);
+        let heights_m = [5.0, -3.25, 3.0e38, -0.0, 0.0];
+        let indices = Quantum::Bits.indices(&heights_m).unwrap();
+        let bytes = encode_base(&indices);
+        assert_eq!(decode_base(5, &bytes, Quantum::Bits).as_deref(), Some(&heights_m[..]));
+        assert_eq!(decode_base(4, &bytes, Quantum::Bits), None);
     }
 }

@@ -61,6 +61,20 @@ impl Quantum {
         }
     }
 
+    /// Appends the heights of integers.
+    #[inline]
+    pub(super) fn extend_heights(self, indices: &[i32], heights_m: &mut Vec<f32>) {
+        match self {
+            // a power of two divides exactly as its reciprocal multiplies
+            Self::PerMetre(n) if n.is_power_of_two() => {
+                let step_m = 1.0 / n as f32;
+                heights_m.extend(indices.iter().map(|&i| i as f32 * step_m));
+            }
+            Self::PerMetre(n) => heights_m.extend(indices.iter().map(|&i| i as f32 / n as f32)),
+            _ => heights_m.extend(indices.iter().map(|&i| self.height_m(i))),
+        }
+    }
+
     /// Puts heights on the grid: exactly what will be read back. Heights that cannot be are left alone.
     pub fn quantise(self, heights_m: &mut [f32]) {
         for z in heights_m {
@@ -147,7 +161,8 @@ impl QuantumFinder {
 
     /// Integers beyond 2^24 are no longer exact.
     fn check_reach(&mut self) {
-        self.denominator = self.denominator.filter(|&n| !(self.max_abs_m() * n as f32 > EXACT));
+        let max_abs_m = self.max_abs_m();
+        self.denominator = self.denominator.filter(|&n| max_abs_m * n as f32 <= EXACT);
     }
 
     fn max_abs_m(&self) -> f32 {

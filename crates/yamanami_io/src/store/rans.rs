@@ -10,6 +10,22 @@ pub(super) const LANES: usize = 4;
 const LOW: u32 = 1 << 16;
 const SLOT_MASK: u32 = (1 << PROB_BITS) - 1;
 
+/// A symbol's span of slots, ready for the encoder.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Span {
+    /// 2^44 / frequency, rounded up: exact division of states by one multiplication.
+    reciprocal: u64,
+    start: u16,
+    frequency: u16,
+}
+
+impl Span {
+    pub(super) fn new(start: u32, frequency: u32) -> Self {
+        let reciprocal = (1u64 << 44).div_ceil(u64::from(frequency));
+        Self { reciprocal, start: start as u16, frequency: frequency as u16 }
+    }
+}
+
 /// Takes symbols last to first.
 #[derive(Debug)]
 pub(super) struct Encoder {
@@ -20,23 +36,31 @@ pub(super) struct Encoder {
 
 impl Encoder {
     pub(super) fn new() -> Self {
-        Self { states: [LOW; LANES], words: Vec::new() }
+        Self { states: [LOW; LANES], words: Vec::with_capacity(1 << 14) }
     }
 
-    /// Adds a symbol by its (start, frequency) in front of those already there.
-    #[inline]
-    pub(super) fn put(&mut self, lane: usize, (start, frequency): (u32, u32)) {
-        let mut state = self.states[lane];
-        if u64::from(state) >= u64::from(frequency) << (32 - PROB_BITS) {
-            self.words.push(state as u16);
-            state >>= 16;
+    /// Adds a row in front of those already there; `span_of` tells the span of a column.
+    #[inline(always)]
+    pub(super) fn row(&mut self, columns: usize, span_of: impl Fn(usize) -> Span) {
+        let mut states = self.states;
+        for x in (0..columns).rev() {
+            let span = span_of(x);
+            let state = &mut states[x % LANES];
+            let frequency = u32::from(span.frequency);
+            if *state >> (32 - PROB_BITS) >= frequency {
+                self.words.push(*state as u16);
+                *state >>= 16;
+            }
+            let quotient = ((u128::from(*state) * u128::from(span.reciprocal)) >> 44) as u32;
+            *state += u32::from(span.start) + quotient * ((1 << PROB_BITS) - frequency);
         }
-        self.states[lane] = (state / frequency << PROB_BITS) + state % frequency + start;
+        self.states = states;
     }
 
     /// The four states and the words, little-endian.
     pub(super) fn finish(self) -> Vec<u8> {
-        let mut bytes: Vec<u8> = self.states.iter().flat_map(|s| s.to_le_bytes()).collect();
+        let mut bytes = Vec::with_capacity(4 * LANES + 2 * self.words.len());
+        bytes.extend(self.states.iter().flat_map(|s| s.to_le_bytes()));
         bytes.extend(self.words.iter().rev().flat_map(|w| w.to_le_bytes()));
         bytes
     }
@@ -62,32 +86,32 @@ impl<'a> Decoder<'a> {
         odd.is_empty().then_some(Self { states, words, next: 0 })
     }
 
-    /// Decodes a row: `table_of` tells a column's distribution by its number, `slots` holds all of them.
-    #[inline]
-    pub(super) fn row(&mut self, tables: &[u16], slots: &[u32], symbols: &mut [i8]) {
+    /// Decodes a row: each column's context names a table by where its slots begin in `slots`.
+    #[inline(always)]
+    pub(super) fn row(&mut self, contexts: &[u8], begins: &[u32; 64], slots: &[u32], symbols: &mut [i8]) {
         let mut states = self.states;
         let (words, mut next) = (self.words, self.next);
-        let mut step = |state: &mut u32, table: u16, symbol: &mut i8| {
-            let index = (usize::from(table) << PROB_BITS) | (*state & SLOT_MASK) as usize;
+        let mut step = |state: &mut u32, context: u8, symbol: &mut i8| {
+            let index = (begins[usize::from(context & 63)] | (*state & SLOT_MASK)) as usize;
             let slot = slots.get(index).copied().unwrap_or(0);
             *symbol = slot as u8 as i8;
-            let x = ((slot >> 8 & SLOT_MASK) + 1) * (*state >> PROB_BITS) + (slot >> 20);
+            let x = ((slot >> 8 & SLOT_MASK) + 1).wrapping_mul(*state >> PROB_BITS).wrapping_add(slot >> 20);
             let word = words.get(next).copied().unwrap_or([0; 2]);
             let more = x < LOW;
             *state = if more { x << 16 | u32::from(u16::from_le_bytes(word)) } else { x };
             next += usize::from(more);
         };
         let (symbol_chunks, symbol_rest) = symbols.as_chunks_mut::<LANES>();
-        let (table_chunks, table_rest) = tables.as_chunks::<LANES>();
+        let (context_chunks, context_rest) = contexts.as_chunks::<LANES>();
         let [mut a, mut b, mut c, mut d] = states;
-        for (s, t) in symbol_chunks.iter_mut().zip(table_chunks) {
+        for (s, t) in symbol_chunks.iter_mut().zip(context_chunks) {
             step(&mut a, t[0], &mut s[0]);
             step(&mut b, t[1], &mut s[1]);
             step(&mut c, t[2], &mut s[2]);
             step(&mut d, t[3], &mut s[3]);
         }
         states = [a, b, c, d];
-        for (lane, (s, t)) in symbol_rest.iter_mut().zip(table_rest).enumerate() {
+        for (lane, (s, t)) in symbol_rest.iter_mut().zip(context_rest).enumerate() {
             step(&mut states[lane], *t, s);
         }
         self.states = states;

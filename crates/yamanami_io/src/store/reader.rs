@@ -6,7 +6,7 @@ use super::page::PageCodec;
 use super::schema::{APPLICATION_ID, FORMAT_VERSION, TABLES, page_crc32, page_id, read_meta, row_id};
 use crate::IoError;
 use rusqlite::limits::Limit;
-use rusqlite::{Connection, OpenFlags, OptionalExtension, params};
+use rusqlite::{Connection, MAIN_DB, OpenFlags, OptionalExtension, params};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -14,8 +14,10 @@ use yamanami_core::{Aabb, Lattice, PAGE_CELLS, PageId, TerrainPage};
 
 /// Decoded pages are kept up to this many bytes unless told otherwise.
 const USUAL_CACHE_BYTES: usize = 32 << 20;
+/// No page takes more: even heights of random bits take less than a tenth.
+const MAX_PAGE_BYTES: usize = 4 << 20;
 /// No row of the file is longer.
-const MAX_ROW_BYTES: i32 = 4 << 20;
+const MAX_ROW_BYTES: i32 = 8 << 20;
 
 /// An open terrain database.
 #[derive(Debug)]
@@ -34,20 +36,15 @@ impl TerrainStore {
         check_header(path)?;
         let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
         let db = Connection::open_with_flags(path, flags).map_err(|e| read_error(path, "database", e))?;
-        let (mut meta, radii) = read_facts(&db).map_err(|e| read_error(path, "database", e))?.map_err(|found| {
-            IoError::malformed(path, "facts", "a terrain surface", found)
-        })?;
+        let (mut meta, radii) = read_facts(&db)
+            .map_err(|e| read_error(path, "database", e))?
+            .map_err(|found| IoError::malformed(path, "facts", "a terrain surface", found))?;
         meta.bound_radius_m = radii;
         let check = |found: String| IoError::malformed(path, "table `meta`", "a surface that can be", found);
         meta.check().map_err(check)?;
-        let codec = PageCodec::new(
-            meta.size,
-            meta.quantum,
-            meta.has_holes,
-            meta.error_steps_per_octave,
-            meta.level0_slack_m,
-        )
-        .map_err(|e| check(e.to_string()))?;
+        let codec =
+            PageCodec::new(meta.size, meta.quantum, meta.has_holes, meta.error_steps_per_octave, meta.level0_slack_m)
+                .map_err(|e| check(e.to_string()))?;
         let cache = Mutex::new(PageCache::new(USUAL_CACHE_BYTES));
         Ok(Self { path: path.to_owned(), db: Mutex::new(db), cache, meta, codec })
     }
@@ -93,10 +90,13 @@ impl TerrainStore {
         let sql = "SELECT x_min_m, y_min_m, z_min_m, x_max_m, y_max_m, z_max_m FROM page_bounds WHERE id = ?1";
         let row = lock(&self.db)
             .prepare_cached(sql)
-            .and_then(|mut q| q.query_row([row_id(id)], |row| {
-                let at = |i: usize| row.get::<_, f64>(i);
-                Ok([at(0)?, at(1)?, at(2)?, at(3)?, at(4)?, at(5)?])
-            }).optional())
+            .and_then(|mut q| {
+                q.query_row([row_id(id)], |row| {
+                    let at = |i: usize| row.get::<_, f64>(i);
+                    Ok([at(0)?, at(1)?, at(2)?, at(3)?, at(4)?, at(5)?])
+                })
+                .optional()
+            })
             .map_err(|e| read_error(&self.path, "table `page_bounds`", e))?;
         let b = row.ok_or_else(|| self.damaged(id, "there are no bounds"))?;
         Ok(Aabb { min: [b[0], b[1], b[2]].into(), max: [b[3], b[4], b[5]].into() })
@@ -143,7 +143,14 @@ impl TerrainStore {
     }
 
     /// Heights in metres of a block of a level's lattice points, row by row, `width` × `height` from (x0, y0) on.
-    pub fn read_height_block(&self, level: u32, x0: u32, y0: u32, width: u32, height: u32) -> Result<Vec<f32>, IoError> {
+    pub fn read_height_block(
+        &self,
+        level: u32,
+        x0: u32,
+        y0: u32,
+        width: u32,
+        height: u32,
+    ) -> Result<Vec<f32>, IoError> {
         let [nx, ny] = self.lattice().points(level.min(self.lattice().levels()));
         let inside = |first: u32, count: u32, points: u32| u64::from(first) + u64::from(count) <= u64::from(points);
         if level > self.lattice().levels() || !inside(x0, width, nx) || !inside(y0, height, ny) {
@@ -214,22 +221,43 @@ impl TerrainStore {
             };
             let (a, b) = (a as usize, b as usize);
             if before.heights_m[a] != page.heights_m[b] || before.errors[a] != page.errors[b] {
-                return Err(self.damaged(page.id, &format!("its border differs from that of page {dx}, {dy} before it")));
+                return Err(
+                    self.damaged(page.id, &format!("its border differs from that of page {dx}, {dy} before it"))
+                );
             }
         }
         Ok(())
     }
 
     fn read_page(&self, id: PageId, parent: Option<&TerrainPage>) -> Result<TerrainPage, IoError> {
-        let row: Option<(i64, Vec<u8>)> = lock(&self.db)
-            .prepare_cached("SELECT crc32, data FROM page WHERE id = ?1")
-            .and_then(|mut q| q.query_row([row_id(id)], |row| Ok((row.get(0)?, row.get(1)?))).optional())
-            .map_err(|e| read_error(&self.path, "table `page`", e))?;
-        let (crc32, bytes) = row.ok_or_else(|| self.damaged(id, "it is not there"))?;
+        let (crc32, bytes) = self.page_bytes(id)?;
         if i64::from(page_crc32(id, &bytes)) != crc32 {
             return Err(self.damaged(id, "its checksum does not match"));
         }
         self.codec.decode_page(id, &bytes, parent).map_err(|found| self.damaged(id, found))
+    }
+
+    /// A page's checksum and bytes as they are in the file.
+    fn page_bytes(&self, id: PageId) -> Result<(i64, Vec<u8>), IoError> {
+        let db = lock(&self.db);
+        let row: Option<[i64; 4]> = db
+            .prepare_cached("SELECT chunk, start, length, crc32 FROM page WHERE id = ?1")
+            .and_then(|mut q| {
+                q.query_row([row_id(id)], |row| Ok([row.get(0)?, row.get(1)?, row.get(2)?, row.get(3)?])).optional()
+            })
+            .map_err(|e| read_error(&self.path, "table `page`", e))?;
+        let [chunk, start, length, crc32] = row.ok_or_else(|| self.damaged(id, "it is not there"))?;
+        let blob = db
+            .blob_open(MAIN_DB, "chunk", "data", chunk, true)
+            .map_err(|e| read_error(&self.path, "table `chunk`", e))?;
+        let within =
+            |start: usize, length: usize| length <= MAX_PAGE_BYTES && start.saturating_add(length) <= blob.len();
+        let place = usize::try_from(start).ok().zip(usize::try_from(length).ok());
+        let (start, length) =
+            place.filter(|&(s, n)| within(s, n)).ok_or_else(|| self.damaged(id, "it lies outside its chunk"))?;
+        let mut bytes = vec![0; length];
+        blob.read_at_exact(&mut bytes, start).map_err(|e| read_error(&self.path, "table `chunk`", e))?;
+        Ok((crc32, bytes))
     }
 
     fn check_place(&self, id: PageId) -> Result<(), IoError> {
@@ -282,13 +310,20 @@ fn check_header(path: &Path) -> Result<(), IoError> {
         return Err(IoError::malformed(path, "bytes 68 to 71", format!("{APPLICATION_ID:#010x}"), found));
     }
     if version == 0 {
-        return Err(IoError::malformed(path, "bytes 60 to 63", "a finished file", "a build that broke off; build it again"));
+        return Err(IoError::malformed(
+            path,
+            "bytes 60 to 63",
+            "a finished file",
+            "a build that broke off; build it again",
+        ));
     }
     if version != FORMAT_VERSION {
         return Err(IoError::unsupported(
             path,
             format!("version {version} of the format"),
-            format!("this program reads version {FORMAT_VERSION}: build the file again, or use the program that made it"),
+            format!(
+                "this program reads version {FORMAT_VERSION}: build the file again, or use the program that made it"
+            ),
         ));
     }
     // a page size of 1 stands for 65536
@@ -298,7 +333,12 @@ fn check_header(path: &Path) -> Result<(), IoError> {
     };
     let expected = page_bytes * u64::from(db_pages);
     if metadata.len() < expected {
-        return Err(IoError::malformed(path, "file", format!("{expected} bytes"), format!("{}: cut short", metadata.len())));
+        return Err(IoError::malformed(
+            path,
+            "file",
+            format!("{expected} bytes"),
+            format!("{}: cut short", metadata.len()),
+        ));
     }
     Ok(())
 }
@@ -320,7 +360,8 @@ fn read_facts(db: &Connection) -> rusqlite::Result<Result<FactsAndRadii, String>
         Ok(meta) => meta,
         Err(found) => return Ok(Err(found)),
     };
-    let mut select = db.prepare("SELECT bound_radius_m FROM level WHERE bound_radius_m IS NOT NULL ORDER BY level LIMIT 64")?;
+    let mut select =
+        db.prepare("SELECT bound_radius_m FROM level WHERE bound_radius_m IS NOT NULL ORDER BY level LIMIT 64")?;
     let radii = select.query_map([], |row| row.get(0))?.collect::<rusqlite::Result<Vec<f64>>>()?;
     Ok(Ok((meta, radii)))
 }

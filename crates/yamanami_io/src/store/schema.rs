@@ -10,14 +10,29 @@ use yamanami_core::{Crs, GeoReference, PageId};
 pub(super) const APPLICATION_ID: u32 = 0x5941_4D41;
 /// Version of the format: bytes 60 to 63 of the file; 0 while it is being written.
 pub(super) const FORMAT_VERSION: u32 = 1;
-/// Bytes of a database page: small, since every page blob leaves one partly empty.
-pub(super) const DB_PAGE_BYTES: u32 = 512;
+/// Pages' bytes are stored one after the other in chunks of about this size: a blob a page would leave too much room
+/// unused, and a longer one takes too long to find one's way in.
+pub(super) const CHUNK_BYTES: usize = 256 << 10;
+
+/// Bytes of a database page: every table takes one at least, which is much for a small grid; but each costs a link.
+pub(super) fn db_page_bytes(size: [u32; 2]) -> u32 {
+    match (u64::from(size[0]) * u64::from(size[1])).ilog2() {
+        ..22 => 512,
+        22..26 => 1024,
+        _ => 4096,
+    }
+}
 
 /// Names and statements of everything in the file; a reader insists on exactly these.
-pub(super) const TABLES: [(&str, &str); 4] = [
+pub(super) const TABLES: [(&str, &str); 5] = [
     ("meta", "CREATE TABLE meta(key TEXT PRIMARY KEY, value) WITHOUT ROWID"),
     ("level", "CREATE TABLE level(level INTEGER PRIMARY KEY, pages INTEGER NOT NULL, bound_radius_m REAL)"),
-    ("page", "CREATE TABLE page(id INTEGER PRIMARY KEY, crc32 INTEGER NOT NULL, data BLOB NOT NULL)"),
+    ("chunk", "CREATE TABLE chunk(id INTEGER PRIMARY KEY, data BLOB NOT NULL)"),
+    (
+        "page",
+        "CREATE TABLE page(id INTEGER PRIMARY KEY, chunk INTEGER NOT NULL, start INTEGER NOT NULL, \
+         length INTEGER NOT NULL, crc32 INTEGER NOT NULL)",
+    ),
     (
         "page_bounds",
         "CREATE VIRTUAL TABLE page_bounds USING rtree(id, x_min_m, x_max_m, y_min_m, y_max_m, z_min_m, z_max_m)",

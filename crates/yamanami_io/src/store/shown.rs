@@ -125,7 +125,8 @@ mod tests {
 
     #[test]
     fn a_round_lake_is_small() {
-        let shown: Vec<u8> = (0..65536i32).map(|i| if (i % 256 - 128).pow(2) + (i / 256 - 99).pow(2) < 4000 { 0 } else { 3 }).collect();
+        let shown: Vec<u8> =
+            (0..65536i32).map(|i| if (i % 256 - 128).pow(2) + (i / 256 - 99).pow(2) < 4000 { 0 } else { 3 }).collect();
         let bytes = encode(&shown, 256);
         assert!(bytes.len() < 250, "{}", bytes.len());
         assert_eq!(decode(&bytes, 256, shown.len()), Some(shown));

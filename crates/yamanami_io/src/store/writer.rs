@@ -5,7 +5,9 @@
 
 use super::meta::TerrainMeta;
 use super::page::{EncodedPage, PageCodec};
-use super::schema::{APPLICATION_ID, DB_PAGE_BYTES, FORMAT_VERSION, TABLES, page_crc32, row_id, write_meta};
+use super::schema::{
+    APPLICATION_ID, CHUNK_BYTES, FORMAT_VERSION, TABLES, db_page_bytes, page_crc32, row_id, write_meta,
+};
 use crate::IoError;
 use rusqlite::{Connection, params};
 use std::path::{Path, PathBuf};
@@ -21,6 +23,9 @@ pub struct TerrainWriter {
     meta: TerrainMeta,
     codec: PageCodec,
     written: Vec<u64>,
+    /// The chunk being filled, and its number.
+    chunk: Vec<u8>,
+    chunk_id: i64,
 }
 
 impl TerrainWriter {
@@ -32,13 +37,8 @@ impl TerrainWriter {
             expected: "a surface that can be".into(),
             given,
         })?;
-        let codec = PageCodec::new(
-            meta.size,
-            meta.quantum,
-            meta.has_holes,
-            meta.error_steps_per_octave,
-            meta.level0_slack_m,
-        )?;
+        let codec =
+            PageCodec::new(meta.size, meta.quantum, meta.has_holes, meta.error_steps_per_octave, meta.level0_slack_m)?;
         let mut part = target.clone().into_os_string();
         part.push(".part");
         let part = PathBuf::from(part);
@@ -49,7 +49,8 @@ impl TerrainWriter {
         // made here, so that a missing folder or permission is told in the system's words
         std::fs::File::create_new(&part).map_err(|e| IoError::io(&part, e))?;
         let levels = codec.lattice().levels() as usize;
-        let mut writer = Self { target, part, db: None, meta, codec, written: vec![0; levels + 1] };
+        let mut writer =
+            Self { target, part, db: None, meta, codec, written: vec![0; levels + 1], chunk: Vec::new(), chunk_id: 0 };
         let db = Connection::open(&writer.part).map_err(|e| writer.failed(e))?;
         let db = writer.db.insert(db);
         let begun = begin(db, &writer.meta);
@@ -72,7 +73,13 @@ impl TerrainWriter {
     pub fn insert(&mut self, page: &EncodedPage) -> Result<(), IoError> {
         let bounds = page_bounds_m(&self.meta, &self.codec, page.id, page.z_range_m);
         let Some(db) = &self.db else { return Err(closed(&self.part)) };
-        insert(db, page, bounds).map_err(|e| self.failed(e))?;
+        if !self.chunk.is_empty() && self.chunk.len() + page.bytes.len() > CHUNK_BYTES {
+            insert_chunk(db, self.chunk_id, &self.chunk).map_err(|e| self.failed(e))?;
+            self.chunk.clear();
+            self.chunk_id += 1;
+        }
+        insert_page(db, page, [self.chunk_id, self.chunk.len() as i64], bounds).map_err(|e| self.failed(e))?;
+        self.chunk.extend_from_slice(&page.bytes);
         self.written[page.id.level as usize] += 1;
         Ok(())
     }
@@ -91,6 +98,7 @@ impl TerrainWriter {
             }
         }
         let Some(db) = self.db.take() else { return Err(closed(&self.part)) };
+        insert_chunk(&db, self.chunk_id, &self.chunk).map_err(|e| self.failed(e))?;
         complete(&db, &self.meta, &self.codec).map_err(|e| self.failed(e))?;
         db.close().map_err(|(_, e)| self.failed(e))?;
         let file = std::fs::File::open(&self.part).map_err(|e| IoError::io(&self.part, e))?;
@@ -138,8 +146,9 @@ fn write_error(part: &Path, error: rusqlite::Error) -> IoError {
 fn begin(db: &Connection, meta: &TerrainMeta) -> rusqlite::Result<()> {
     // a part that breaks off is thrown away: it needs no journal
     db.execute_batch(&format!(
-        "PRAGMA page_size = {DB_PAGE_BYTES}; PRAGMA journal_mode = OFF; PRAGMA synchronous = OFF;
-         PRAGMA locking_mode = EXCLUSIVE; PRAGMA cache_size = -4096; PRAGMA application_id = {APPLICATION_ID}; BEGIN"
+        "PRAGMA page_size = {}; PRAGMA journal_mode = OFF; PRAGMA synchronous = OFF;
+         PRAGMA locking_mode = EXCLUSIVE; PRAGMA cache_size = -4096; PRAGMA application_id = {APPLICATION_ID}; BEGIN",
+        db_page_bytes(meta.size)
     ))?;
     for (_, statement) in TABLES {
         db.execute_batch(statement)?;
@@ -147,10 +156,20 @@ fn begin(db: &Connection, meta: &TerrainMeta) -> rusqlite::Result<()> {
     write_meta(db, meta)
 }
 
-fn insert(db: &Connection, page: &EncodedPage, bounds: [[f64; 2]; 3]) -> rusqlite::Result<()> {
+fn insert_chunk(db: &Connection, id: i64, bytes: &[u8]) -> rusqlite::Result<()> {
+    db.prepare_cached("INSERT INTO chunk(id, data) VALUES(?1, ?2)")?.execute(params![id, bytes]).map(|_| ())
+}
+
+fn insert_page(
+    db: &Connection,
+    page: &EncodedPage,
+    [chunk, start]: [i64; 2],
+    bounds: [[f64; 2]; 3],
+) -> rusqlite::Result<()> {
     let row = row_id(page.id);
-    let mut into_page = db.prepare_cached("INSERT INTO page(id, crc32, data) VALUES(?1, ?2, ?3)")?;
-    into_page.execute(params![row, page_crc32(page.id, &page.bytes), page.bytes])?;
+    let mut into_page =
+        db.prepare_cached("INSERT INTO page(id, chunk, start, length, crc32) VALUES(?1, ?2, ?3, ?4, ?5)")?;
+    into_page.execute(params![row, chunk, start, page.bytes.len() as i64, page_crc32(page.id, &page.bytes)])?;
     let mut into_bounds = db.prepare_cached("INSERT INTO page_bounds VALUES(?1, ?2, ?3, ?4, ?5, ?6, ?7)")?;
     let [x, y, z] = bounds;
     into_bounds.execute(params![row, x[0], x[1], y[0], y[1], z[0], z[1]])?;

@@ -1,0 +1,6 @@
+//! GeoTIFF from any bytes.
+#![no_main]
+
+mod dem_common;
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| dem_common::exercise("a.tif", bytes));
