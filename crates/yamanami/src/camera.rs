@@ -12,28 +12,34 @@ pub fn overview(terrain: &Terrain, viewport_px: [u32; 2]) -> View {
     let [east_m, north_m] = terrain.extent_m();
     let [low, high] = terrain.range_m().map(f64::from);
     let centre = DVec3::new(0.5 * east_m, -0.5 * north_m, 0.5 * (low + high));
-    let corners: Vec<DVec3> = (0..8)
-        .map(|i| {
-            let side = |bit: i32, a: f64, b: f64| if i >> bit & 1 == 0 { a } else { b };
-            DVec3::new(side(0, 0.0, east_m), side(1, 0.0, -north_m), side(2, low, high))
-        })
-        .collect();
+    // the border's corners low and half high, and a summit in the middle
+    let mut points = vec![DVec3::new(centre.x, centre.y, high)];
+    for (x, y) in [(0.0, 0.0), (east_m, 0.0), (0.0, -north_m), (east_m, -north_m)] {
+        points.extend([low, 0.5 * (low + high)].map(|z| DVec3::new(x, y, z)));
+    }
     let direction = DVec3::new(-0.45, -0.95, 0.62).normalize();
-    let fits = |distance_m: f64| {
-        let view = View { eye: centre + distance_m * direction, target: centre, fov_y_rad: FOV_Y_RAD, viewport_px };
-        let projection = Perspective::new(view, 1.0, 1e9);
-        let inside = corners.iter().all(|&corner| {
-            let clip = projection.clip_from_world(corner);
-            clip.w > 0.0 && clip.x.abs() < 0.95 * clip.w && clip.y.abs() < 0.9 * clip.w
-        });
-        inside.then_some(view)
-    };
+    let half_height = (0.5 * FOV_Y_RAD).tan();
     let mut distance_m = 0.1 * east_m.hypot(north_m).max(high - low).max(1.0);
     loop {
-        if let Some(view) = fits(distance_m) {
+        let eye = centre + distance_m * direction;
+        let mut view = View { eye, target: centre, fov_y_rad: FOV_Y_RAD, viewport_px };
+        let mut reach = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
+        // looking a little higher or lower centres the terrain in the picture
+        for _ in 0..4 {
+            reach = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
+            let projection = Perspective::new(view, 1.0, 1e9);
+            for &point in &points {
+                let clip = projection.clip_from_world(point);
+                let [x, y] = if clip.w > 0.0 { [clip.x / clip.w, clip.y / clip.w] } else { [9.0; 2] };
+                reach = [[reach[0][0].min(x), reach[0][1].min(y)], [reach[1][0].max(x), reach[1][1].max(y)]];
+            }
+            view.target.z += 0.5 * (reach[0][1] + reach[1][1]) * half_height * distance_m;
+        }
+        let [[left, bottom], [right, top]] = reach;
+        if left > -0.96 && right < 0.96 && top - bottom < 1.84 {
             return view;
         }
-        distance_m *= 1.03;
+        distance_m *= 1.02;
     }
 }
 

@@ -65,7 +65,7 @@ fn errors_rounded_up_are_still_a_hierarchy() {
 
 #[test]
 fn only_the_pages_that_a_view_needs_are_read_and_a_small_memory_suffices() {
-    let t = SyntheticTerrain::mountains(2049, 2049, 7).rounded_to(1.0);
+    let t = SyntheticTerrain::mountains(2010, 1777, 7).rounded_to(1.0);
     let (_, mut paged, _folder) = stored(&t, &StoreOptions::default());
     let mut scene = Scene::new(&paged, Canvas::new(glam::DVec3::ZERO, DrawWith::Software).unwrap());
     scene.memory_bytes = 6 << 20;
@@ -83,6 +83,29 @@ fn only_the_pages_that_a_view_needs_are_read_and_a_small_memory_suffices() {
         assert!(update.report.triangles <= 20_000);
     }
     let Data::Paged(data) = paged.surface().data() else { panic!("a database is paged") };
-    let all = 2049 * 2049 * 6;
+    let all = 2010 * 1777 * 6;
     assert!(data.resident_bytes() < all / 2, "{} of {all} bytes are resident", data.resident_bytes());
+}
+
+#[test]
+fn a_flight_over_a_database_is_the_flight_over_the_grid() {
+    for t in terrains() {
+        let (grid, mut paged, _folder) = stored(&t, &exact());
+        let mut grid = grid;
+        for level in 0..=paged.surface().numbers().lattice().levels() {
+            paged.load_level(level).unwrap();
+        }
+        let canvas = || Canvas::new(glam::DVec3::ZERO, DrawWith::Software).unwrap();
+        let (mut a, mut b) = (Scene::new(&grid, canvas()), Scene::new(&paged, canvas()));
+        let [east_m, north_m] = grid.extent_m();
+        for i in 0..12 {
+            let eye = glam::DVec3::new(east_m * 0.08 * f64::from(i), -0.6 * north_m, 2500.0);
+            let view = View { eye, target: eye + glam::DVec3::new(0.4, 1.0, -1.0), fov_y_rad: 0.9, viewport_px: [640, 360] };
+            let view = Some(ViewCriterion { view, tolerance_px: 1.0, cull: true });
+            let criteria = Criteria { view, budget_triangles: Some(3000), ..Criteria::default() };
+            let (of_grid, of_pages) = (a.update(&mut grid, &criteria).unwrap(), b.update(&mut paged, &criteria).unwrap());
+            assert_eq!(of_grid.report.triangles, of_pages.report.triangles);
+            assert_eq!(a.canvas().buffers().contents().triangles, b.canvas().buffers().contents().triangles);
+        }
+    }
 }

@@ -121,6 +121,9 @@ impl PagedData {
 impl TerrainData for PagedData {
     #[inline]
     fn height_m(&self, node: LatticeNode) -> f32 {
+        // a point past the lattice folds onto its last column or row
+        let [nx, ny] = self.lattice.points(node.level);
+        let node = LatticeNode { x: node.x.min(nx - 1), y: node.y.min(ny - 1), ..node };
         self.holding(node).map_or(0.0, |(page, i)| page.heights_m[i])
     }
 

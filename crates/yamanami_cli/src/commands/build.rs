@@ -1,0 +1,106 @@
+//! `build`: elevation files to a surface database.
+
+use crate::args::SourceArgs;
+use crate::failure::Failure;
+use crate::progress::{Bar, note};
+use crate::{inputs, out, text, values};
+use clap::Args;
+use serde_json::json;
+use std::path::PathBuf;
+use std::time::Instant;
+use yamanami::io::dem;
+use yamanami::{StoreOptions, Terrain};
+
+/// Make a surface database (.yama) from elevation files
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  yamanami build dem.tif -o dem.yama                   lossless
+  yamanami build N4?E001.hgt.zip -o pyrenees.yama      several files, one mosaic
+  yamanami build lidar.tif -o lidar.yama --max-error 0.05
+                                                       heights kept within 5 cm, for a much smaller file
+
+The database appears whole or not at all; an old one stays until then.")]
+pub(crate) struct BuildArgs {
+    #[command(flatten)]
+    source: SourceArgs,
+    /// The database to write
+    #[arg(short, long, value_name = "S.yama")]
+    output: PathBuf,
+    /// Stored heights may be off by so many metres; 0 is lossless
+    #[arg(long, value_name = "M", default_value_t = 0.0, value_parser = values::not_negative)]
+    max_error: f64,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+pub(crate) fn run(args: &BuildArgs) -> Result<(), Failure> {
+    let sources = &args.source.sources;
+    inputs::check_output(&args.output, &["yama"], sources)?;
+    if sources.iter().any(|s| inputs::is_yama(s)) {
+        return Err(Failure::failed("a .yama is a database already: build takes elevation files"));
+    }
+    let started = Instant::now();
+    let field = {
+        let _bar = Bar::spinner("reading");
+        dem::open(sources, &args.source.reading.options().dem)?.read_all()?
+    };
+    let read_s = started.elapsed().as_secs_f64();
+    let no_data = field.no_data_count();
+    let field = if args.max_error > 0.0 { yamanami::quantise(field, args.max_error).0 } else { field };
+    let name = |p: &PathBuf| p.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+    let title = sources.first().map_or_else(String::new, name);
+    let terrain = {
+        let bar = Bar::shares("building");
+        Terrain::build(field, title, &|share| bar.set_share(share))?
+    };
+    let options = StoreOptions {
+        max_error_m: args.max_error,
+        source: sources.iter().map(name).collect::<Vec<_>>().join(", "),
+        ..StoreOptions::default()
+    };
+    {
+        let bar = Bar::shares("writing");
+        terrain.store_as(&args.output, &options, &|share| bar.set_share(share))?;
+    }
+    let build_s = started.elapsed().as_secs_f64();
+    let [width, height] = terrain.size();
+    let samples = (width * height) as u64;
+    let (bytes, source_bytes) = (inputs::file_bytes(&args.output)?, inputs::total_bytes(sources));
+    if args.json {
+        return out::json(&json!({
+            "output": args.output,
+            "width": width,
+            "height": height,
+            "samples": samples,
+            "no_data_samples": no_data,
+            "levels": terrain.surface().numbers().lattice().levels() + 1,
+            "max_error_m": args.max_error,
+            "bytes": bytes,
+            "bytes_per_sample": bytes as f64 / samples as f64,
+            "source_bytes": source_bytes,
+            "read_s": read_s,
+            "build_s": build_s,
+        }));
+    }
+    out::row("database", args.output.display())?;
+    out::row("samples", format_args!("{} x {} = {}", width, height, text::count(samples)))?;
+    out::row(
+        "size",
+        format_args!(
+            "{}, {} bytes a sample; the source has {}",
+            text::bytes(bytes),
+            text::number(bytes as f64 / samples as f64),
+            text::bytes(source_bytes)
+        ),
+    )?;
+    let kept = if args.max_error > 0.0 { format!("within {} m", text::number(args.max_error)) } else { "exactly".to_owned() };
+    out::row("heights", format_args!("kept {kept}, {} without data", text::count(no_data as u64)))?;
+    out::row(
+        "time",
+        format_args!("{} s, {} million samples a second", text::number(build_s), text::number(samples as f64 / build_s / 1e6)),
+    )?;
+    note(&format!("next: yamanami fly {} --budget 100000", args.output.display()));
+    Ok(())
+}

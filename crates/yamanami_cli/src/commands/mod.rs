@@ -1,0 +1,81 @@
+//! The commands, one a file.
+
+mod build;
+mod check;
+mod compare;
+mod demo;
+mod extract;
+mod flight_path;
+mod flight_text;
+mod fly;
+mod generate;
+mod info;
+mod info_mesh;
+mod info_text;
+mod render;
+mod reproduce;
+mod view;
+
+use crate::failure::Failure;
+use clap::{Parser, Subcommand};
+
+/// Survey elevation data to smooth, exact and small multiresolution surfaces.
+#[derive(Debug, Parser)]
+#[command(name = "yamanami", version, about, max_term_width = 110, after_help = "\
+Start with:
+  yamanami demo                              all of it on bundled real terrain
+  yamanami info dem.tif                      what is this file
+  yamanami extract dem.tif --tolerance 10 -o dem.glb
+                                             a mesh that stays within 10 m of every sample
+  yamanami build dem.tif -o dem.yama         a database with every level of detail in it
+  yamanami fly dem.yama --budget 100000 -o flight
+                                             a flight with never more than 100,000 triangles
+
+Elevation files: GeoTIFF and COG, SRTM .hgt, DTED, ESRI ASCII, GSI FG-GML, elevation tiles. Where one SOURCE is named, several
+make one mosaic, and a .yama stands as well. Results go to stdout, progress to stderr. Exit code: 0 success, 1 failure, 2 misuse.")]
+pub(crate) struct Program {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Demo(demo::DemoArgs),
+    Info(info::InfoArgs),
+    Build(build::BuildArgs),
+    View(view::ViewArgs),
+    Fly(Box<fly::FlyArgs>),
+    Render(render::RenderArgs),
+    Extract(Box<extract::ExtractArgs>),
+    Compare(compare::CompareArgs),
+    Generate(generate::GenerateArgs),
+    Reproduce(reproduce::ReproduceArgs),
+}
+
+impl Program {
+    pub(crate) fn run(&self) -> Result<(), Failure> {
+        match &self.command {
+            Command::Demo(args) => demo::run(args),
+            Command::Info(args) => info::run(args),
+            Command::Build(args) => build::run(args),
+            Command::View(args) => view::run(args),
+            Command::Fly(args) => fly::run(args),
+            Command::Render(args) => render::run(args),
+            Command::Extract(args) => extract::run(args),
+            Command::Compare(args) => compare::run(args),
+            Command::Generate(args) => generate::run(args),
+            Command::Reproduce(args) => reproduce::run(args),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Program;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_sound() {
+        Program::command().debug_assert();
+    }
+}

@@ -1,0 +1,128 @@
+//! `render`: one picture.
+
+use crate::args::{self, DrawArgs, EyeArgs, FinenessArgs, LensArgs, SourceArgs};
+use crate::failure::Failure;
+use crate::pictures::{self, PICTURE_ENDINGS, StyleArgs};
+use crate::progress::{Bar, note};
+use crate::{inputs, out, text};
+use clap::Args;
+use glam::DVec3;
+use image::RgbaImage;
+use serde_json::json;
+use std::path::PathBuf;
+use std::time::Instant;
+use yamanami::core::View;
+use yamanami::gpu::RenderOptions;
+use yamanami::{Canvas, Criteria, DrawWith, FrameReport, Scene, Terrain};
+
+/// Draw one picture
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  yamanami render dem.tif -o dem.png                         the whole of it
+  yamanami render dem.tif -o dem.png --budget 5000 --wireframe --colour level
+                                                             what 5,000 triangles make of it, and where
+  yamanami render dem.yama -o fuji.png --eye 138.6,35.2,6000 --target 138.73,35.36,3000 --size 1920x1080
+                                                             from a place in the source's CRS
+  yamanami render dem.tif -o map.png --image aerial.jpg      with an image laid over it")]
+pub(crate) struct RenderArgs {
+    #[command(flatten)]
+    source: SourceArgs,
+    /// The picture to write: .png or .jpg
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    #[command(flatten)]
+    eye: EyeArgs,
+    #[command(flatten)]
+    lens: LensArgs,
+    #[command(flatten)]
+    fineness: FinenessArgs,
+    #[command(flatten)]
+    style: StyleArgs,
+    #[command(flatten)]
+    draw: DrawArgs,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Errors below this many pixels are not seen in an antialiased picture.
+const USUAL_TOLERANCE_PX: f32 = 0.5;
+
+pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
+    inputs::check_output(&args.output, &PICTURE_ENDINGS, &args.source.sources)?;
+    let mut terrain = inputs::terrain(&args.source)?;
+    let view = args::view(&args.eye, &args.lens, &terrain, [1600, 900]);
+    warn_if_far(&terrain, &view);
+    let criteria = args.fineness.criteria(Some(view), !args.lens.no_cull, USUAL_TOLERANCE_PX);
+    let style = args.style.options(&terrain)?;
+    let with = args.draw.with();
+    let started = Instant::now();
+    let drawn = {
+        let _bar = Bar::spinner("drawing");
+        picture(&mut terrain, &criteria, &view, &style, with)?
+    };
+    let ms = started.elapsed().as_secs_f64() * 1e3;
+    pictures::write(&args.output, drawn.picture)?;
+    let [width, height] = view.viewport_px;
+    if args.json {
+        return out::json(&json!({
+            "output": args.output,
+            "width_px": width,
+            "height_px": height,
+            "triangles": drawn.report.triangles,
+            "error_left_px": drawn.report.error_left,
+            "drawn_with": drawn.drawn_with,
+            "time_ms": ms,
+        }));
+    }
+    out::row("picture", format_args!("{}, {width} x {height}", args.output.display()))?;
+    out::row("triangles", text::count(drawn.report.triangles as u64))?;
+    out::row("error", format_args!("at most {} px", text::number(f64::from(drawn.report.error_left))))?;
+    out::row("drawn", format_args!("with {} in {} ms", drawn.drawn_with, text::number(ms)))
+}
+
+/// A picture and what is in it.
+#[derive(Debug)]
+pub(crate) struct Drawn {
+    pub(crate) picture: RgbaImage,
+    pub(crate) report: FrameReport,
+    pub(crate) drawn_with: &'static str,
+}
+
+/// Draws a terrain as fine as criteria ask.
+pub(crate) fn picture(
+    terrain: &mut Terrain,
+    criteria: &Criteria,
+    view: &View,
+    style: &RenderOptions,
+    with: DrawWith,
+) -> Result<Drawn, Failure> {
+    let mut scene = Scene::new(terrain, Canvas::new(origin(terrain), with)?);
+    let report = loop {
+        let update = scene.update(terrain, criteria)?;
+        if update.pages == 0 {
+            break update.report;
+        }
+    };
+    let picture = scene.draw(view, style)?;
+    Ok(Drawn { picture, report, drawn_with: scene.canvas().description() })
+}
+
+/// The middle of a terrain: drawing is relative to it.
+pub(crate) fn origin(terrain: &Terrain) -> DVec3 {
+    let ([east_m, north_m], [low, high]) = (terrain.extent_m(), terrain.range_m().map(f64::from));
+    DVec3::new(0.5 * east_m, -0.5 * north_m, 0.5 * (low + high))
+}
+
+/// A target far off the terrain is most likely in other coordinates than the source's.
+fn warn_if_far(terrain: &Terrain, view: &View) {
+    let [east_m, north_m] = terrain.extent_m();
+    let reach = east_m.max(north_m);
+    let off = |v: f64, most: f64| v < -reach || v > most + reach;
+    if off(view.target.x, east_m) || off(-view.target.y, north_m) {
+        let crs = &terrain.geo().crs;
+        let [west, south, east, north] = text::bounds(terrain.geo(), terrain.size()).map(|v| text::coordinate(v, crs));
+        note(&format!("note: the target is far off the terrain, which lies at x {west} to {east}, y {south} to {north}"));
+    }
+}

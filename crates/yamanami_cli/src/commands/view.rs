@@ -1,0 +1,64 @@
+//! `view`: the desktop window.
+
+use crate::args::{ControlArgs, EyeArgs, FinenessArgs, LensArgs, SourceArgs};
+use crate::failure::Failure;
+use clap::Args;
+use std::path::PathBuf;
+
+/// Fly and orbit in a window
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  yamanami view dem.yama
+  yamanami view dem.tif --budget 200000 --tolerance-px 1
+  yamanami view dem.yama --path flight.json                  replay a recorded path
+
+All that is set here can be changed in the window.")]
+pub(crate) struct ViewArgs {
+    #[command(flatten)]
+    pub(crate) source: SourceArgs,
+    #[command(flatten)]
+    pub(crate) fineness: FinenessArgs,
+    #[command(flatten)]
+    pub(crate) control: ControlArgs,
+    #[command(flatten)]
+    pub(crate) eye: EyeArgs,
+    #[command(flatten)]
+    pub(crate) lens: LensArgs,
+    /// A recorded camera path to replay
+    #[arg(long, value_name = "FILE.json")]
+    pub(crate) path: Option<PathBuf>,
+    /// An image to lay over the surface
+    #[arg(long, value_name = "FILE")]
+    pub(crate) image: Option<PathBuf>,
+    /// Save a picture of the window when the first frames have settled, and close it
+    #[arg(long, value_name = "P.png")]
+    pub(crate) screenshot: Option<PathBuf>,
+}
+
+#[cfg(feature = "viewer")]
+pub(crate) fn run(args: &ViewArgs) -> Result<(), Failure> {
+    let terrain = crate::inputs::terrain(&args.source)?;
+    let size = args.lens.size.unwrap_or([1280, 800]);
+    let view = crate::args::view(&args.eye, &args.lens, &terrain, size);
+    let asked = args.eye.eye.is_some() || args.lens.fov.is_some();
+    let path = args.path.as_ref().map(|file| yamanami::read_path(&terrain, file, size)).transpose()?;
+    let criteria = args.fineness.criteria(Some(view), !args.lens.no_cull, 1.0);
+    let options = crate::view::Options {
+        criteria: args.control.limit(criteria),
+        lod: args.control.lod(&terrain, args.fineness.tolerance),
+        path,
+        view: asked.then_some(view),
+        image: args.image.clone(),
+        size,
+        screenshot: args.screenshot.clone(),
+    };
+    crate::view::run(terrain, options).map_err(Failure::failed)
+}
+
+#[cfg(not(feature = "viewer"))]
+pub(crate) fn run(_: &ViewArgs) -> Result<(), Failure> {
+    Err(Failure::failed(
+        "this yamanami was built without its window; rebuild with: cargo build --release -p yamanami_cli --features viewer",
+    ))
+}

@@ -1,0 +1,88 @@
+//! Opening what a command works on, and looking before writing.
+
+use crate::args::{ReadingArgs, SourceArgs};
+use crate::failure::Failure;
+use crate::progress::Bar;
+use std::path::{Path, PathBuf};
+use yamanami::Terrain;
+use yamanami::core::HeightField;
+use yamanami::io::{IoError, dem};
+
+/// Opens the terrain of a command.
+pub(crate) fn terrain(source: &SourceArgs) -> Result<Terrain, Failure> {
+    open(&source.sources, &source.reading)
+}
+
+/// Opens a database, or builds elevation files in memory.
+pub(crate) fn open(sources: &[PathBuf], reading: &ReadingArgs) -> Result<Terrain, Failure> {
+    let bar = Bar::shares("opening");
+    Ok(Terrain::open(sources, &reading.options(), &|share| bar.set_share(share))?)
+}
+
+/// The heights to measure against: those of the files themselves, or all that a database holds.
+pub(crate) fn field(terrain: &Terrain, source: &SourceArgs) -> Result<HeightField, Failure> {
+    let _bar = Bar::spinner("reading heights");
+    if terrain.store().is_some() {
+        return Ok(terrain.field()?);
+    }
+    Ok(dem::open(&source.sources, &source.reading.options().dem)?.read_all()?)
+}
+
+/// Whether a file's name is that of a database.
+pub(crate) fn is_yama(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("yama"))
+}
+
+/// Checks the name of a file to write: its ending is one of `endings`, and it is none of the inputs.
+pub(crate) fn check_output(output: &Path, endings: &[&str], inputs: &[PathBuf]) -> Result<(), Failure> {
+    let ending = output.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    if !endings.contains(&ending.as_str()) {
+        let list = endings.iter().map(|e| format!(".{e}")).collect::<Vec<_>>().join(", ");
+        let what = if ending.is_empty() { "no ending".to_owned() } else { format!("unknown ending .{ending}") };
+        return Err(IoError::unsupported(output, what, format!("expected one of {list}")).into());
+    }
+    let same = |input: &PathBuf| match (input.canonicalize(), output.canonicalize()) {
+        (Ok(a), Ok(b)) => a == b,
+        _ => false,
+    };
+    if inputs.iter().any(same) {
+        return Err(Failure::failed(format!("{}: is an input; give another name with -o", output.display())));
+    }
+    match output.parent().filter(|p| !p.as_os_str().is_empty()) {
+        Some(folder) if !folder.is_dir() => {
+            Err(Failure::failed(format!("{}: there is no folder {}", output.display(), folder.display())))
+        }
+        _ if output.is_dir() => Err(Failure::failed(format!("{}: is a folder", output.display()))),
+        _ => Ok(()),
+    }
+}
+
+/// Makes a folder for results.
+pub(crate) fn make_folder(folder: &Path) -> Result<(), Failure> {
+    std::fs::create_dir_all(folder).map_err(|e| IoError::io(folder, e).into())
+}
+
+/// Writes a text file.
+pub(crate) fn write_text(path: &Path, text: &str) -> Result<(), Failure> {
+    std::fs::write(path, text).map_err(|e| IoError::io(path, e).into())
+}
+
+/// Bytes of a file.
+pub(crate) fn file_bytes(path: &Path) -> Result<u64, Failure> {
+    Ok(std::fs::metadata(path).map_err(|e| IoError::io(path, e))?.len())
+}
+
+/// Bytes of files and of what lies in folders; what cannot be read counts nothing.
+pub(crate) fn total_bytes(paths: &[PathBuf]) -> u64 {
+    let mut waiting = paths.to_vec();
+    let mut sum = 0;
+    while let Some(path) = waiting.pop() {
+        if path.is_dir() {
+            let entries = std::fs::read_dir(&path).into_iter().flatten().flatten();
+            waiting.extend(entries.filter(|e| e.file_type().is_ok_and(|t| !t.is_symlink())).map(|e| e.path()));
+        } else {
+            sum += std::fs::metadata(&path).map_or(0, |m| m.len());
+        }
+    }
+    sum
+}

@@ -1,0 +1,150 @@
+//! Parsers of option values; each says what it expects.
+
+use yamanami::core::Crs;
+use yamanami::io::crs;
+use yamanami::io::dem::TileEncoding;
+
+/// Lengths, tolerances: a finite number that is not negative.
+pub(crate) fn not_negative(text: &str) -> Result<f64, String> {
+    number(text).and_then(|v| if v >= 0.0 { Ok(v) } else { Err("expected a number that is not negative".to_owned()) })
+}
+
+/// Steps, rates: a finite number above zero.
+pub(crate) fn positive(text: &str) -> Result<f64, String> {
+    number(text).and_then(|v| if v > 0.0 { Ok(v) } else { Err("expected a number above 0".to_owned()) })
+}
+
+/// A tolerance as the controllers take it.
+pub(crate) fn tolerance(text: &str) -> Result<f32, String> {
+    let v = not_negative(text)?;
+    if v <= 1e6 { Ok(v as f32) } else { Err("expected at most 1000000".to_owned()) }
+}
+
+/// A share from 0 to 1.
+pub(crate) fn share(text: &str) -> Result<f64, String> {
+    number(text).and_then(|v| {
+        if (0.0..=1.0).contains(&v) { Ok(v) } else { Err("expected a share from 0 to 1".to_owned()) }
+    })
+}
+
+/// A triangle budget: a mesh of fewer than two triangles is none.
+pub(crate) fn budget(text: &str) -> Result<u32, String> {
+    match text.replace(['_', ','], "").parse::<u32>() {
+        Ok(n) if n >= 2 => Ok(n),
+        _ => Err(format!("expected a whole number from 2 to {}", u32::MAX)),
+    }
+}
+
+/// A field of view in degrees, given back in radians.
+pub(crate) fn fov_rad(text: &str) -> Result<f64, String> {
+    number(text).and_then(|v| {
+        if (1.0..=170.0).contains(&v) { Ok(v.to_radians()) } else { Err("expected 1 to 170 degrees".to_owned()) }
+    })
+}
+
+/// `X,Y,Z`.
+pub(crate) fn place(text: &str) -> Result<[f64; 3], String> {
+    let expected = || "expected three numbers X,Y,Z: x and y in the source's CRS, z in metres".to_owned();
+    let numbers: Result<Vec<f64>, String> = text.split(',').map(number).collect();
+    numbers.ok().and_then(|v| v.try_into().ok()).ok_or_else(expected)
+}
+
+/// `WIDTHxHEIGHT` in pixels.
+pub(crate) fn picture_size(text: &str) -> Result<[u32; 2], String> {
+    two(text)
+        .filter(|size| size.iter().all(|s| (16..=16_384).contains(s)))
+        .map(|size| size.map(|s| s as u32))
+        .ok_or_else(|| "expected WIDTHxHEIGHT with 16 to 16384 pixels a side, as 1920x1080".to_owned())
+}
+
+/// `COLUMNSxROWS` of a grid to make.
+pub(crate) fn grid_size(text: &str) -> Result<[usize; 2], String> {
+    const MOST_SAMPLES: usize = 1 << 29;
+    two(text)
+        .filter(|&[w, h]| w >= 2 && h >= 2 && w.checked_mul(h).is_some_and(|n| n <= MOST_SAMPLES))
+        .ok_or_else(|| format!("expected COLUMNSxROWS, at least 2x2 and at most {MOST_SAMPLES} samples, as 1025x1025"))
+}
+
+/// A number of frames.
+pub(crate) fn frames(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(n) if (1..=1_000_000).contains(&n) => Ok(n),
+        _ => Err("expected a whole number from 1 to 1000000".to_owned()),
+    }
+}
+
+/// Intervals of the paper's staircase.
+pub(crate) fn intervals(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(n) if (1..=1000).contains(&n) => Ok(n),
+        _ => Err("expected a whole number from 1 to 1000".to_owned()),
+    }
+}
+
+/// An EPSG code, with or without `EPSG:`.
+pub(crate) fn epsg(text: &str) -> Result<Crs, String> {
+    let digits = text.trim_start_matches(|c: char| c.is_ascii_alphabetic() || c == ':');
+    let code: u32 = digits.parse().map_err(|_| "expected an EPSG code, as 32654 or EPSG:32654".to_owned())?;
+    crs::from_epsg(code).ok_or_else(|| {
+        format!("EPSG:{code} is not known: expected longitude/latitude, UTM, Web Mercator or a Japanese plane rectangular zone")
+    })
+}
+
+/// How a tile's colours mean heights.
+pub(crate) fn tile_encoding(text: &str) -> Result<TileEncoding, String> {
+    match text {
+        "terrain-rgb" => Ok(TileEncoding::TerrainRgb),
+        "terrarium" => Ok(TileEncoding::Terrarium),
+        "gsi" => Ok(TileEncoding::Gsi),
+        _ => Err("expected terrain-rgb, terrarium or gsi".to_owned()),
+    }
+}
+
+/// `Z/X/Y` of a tile.
+pub(crate) fn tile(text: &str) -> Result<[u32; 3], String> {
+    let numbers: Option<Vec<u32>> = text.split('/').map(|t| t.parse().ok()).collect();
+    numbers
+        .and_then(|v| <[u32; 3]>::try_from(v).ok())
+        .filter(|&[z, x, y]| z <= 30 && x >> z == 0 && y >> z == 0)
+        .ok_or_else(|| "expected Z/X/Y of a tile, as 10/906/404".to_owned())
+}
+
+/// A finite number.
+pub(crate) fn number(text: &str) -> Result<f64, String> {
+    text.trim().parse::<f64>().ok().filter(|v| v.is_finite()).ok_or_else(|| "expected a finite number".to_owned())
+}
+
+fn two(text: &str) -> Option<[usize; 2]> {
+    let (a, b) = text.split_once(['x', 'X', '×'])?;
+    Some([a.trim().parse().ok()?, b.trim().parse().ok()?])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_and_sizes() {
+        assert_eq!(place("-71.3, 44.27,1916"), Ok([-71.3, 44.27, 1916.0]));
+        for wrong in ["1,2", "1,2,3,4", "1,2,nan", "a,b,c", ""] {
+            assert!(place(wrong).unwrap_err().contains("X,Y,Z"), "{wrong}");
+        }
+        assert_eq!(picture_size("1920x1080"), Ok([1920, 1080]));
+        assert!(picture_size("0x10").is_err() && picture_size("99999x10").is_err() && picture_size("12").is_err());
+        assert!(grid_size("1x9").is_err() && grid_size("100000x100000").is_err());
+        assert_eq!(grid_size("3x2"), Ok([3, 2]));
+    }
+
+    #[test]
+    fn numbers_are_checked_at_the_door() {
+        assert!(tolerance("nan").is_err() && tolerance("-1").is_err() && tolerance("inf").is_err());
+        assert_eq!(tolerance("2.5"), Ok(2.5));
+        assert_eq!(budget("1_000"), Ok(1000));
+        assert!(budget("1").is_err() && budget("-5").is_err());
+        assert!(fov_rad("0").is_err());
+        assert_eq!(epsg("EPSG:32654").unwrap().epsg, Some(32654));
+        assert!(epsg("99999").is_err());
+        assert_eq!(tile("10/906/404"), Ok([10, 906, 404]));
+        assert!(tile("1/2/0").is_err());
+    }
+}

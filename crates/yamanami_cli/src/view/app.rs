@@ -1,0 +1,446 @@
+//! One frame after another: input moves the camera, the camera the front, and the front the picture.
+
+use super::camera::{Drive, Mode, Rig};
+use super::ground::{Ground, ray_through};
+use super::panel::{self, Action, Plots, Shown};
+use super::recorder::{Player, Recorder, VIEWS_PER_S};
+use super::settings::{Colour, Settings};
+use super::stage::{Numbers, Stage};
+use super::{Failure, Options, overlay};
+use eframe::egui::{self, Align2, Event, Key, PointerButton, Rect, Response, Sense, pos2, vec2};
+use eframe::wgpu;
+use glam::DVec3;
+use image::RgbaImage;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
+use yamanami::core::View;
+use yamanami::{CameraPath, Error, Terrain};
+
+/// Longest frame that counts, seconds: after a stall the camera does not leap.
+const LONGEST_FRAME_S: f64 = 0.1;
+/// How long a message stays, seconds.
+const MESSAGE_S: f64 = 6.0;
+/// Wheel of so many points comes e times nearer.
+const WHEEL_POINTS: f64 = 260.0;
+/// A double click comes so much nearer.
+const DOUBLE_CLICK: f64 = 0.4;
+/// A screenshot waits for this many frames, and for the front to settle, but not longer than the second number.
+const SCREENSHOT_FRAMES: [u32; 2] = [12, 120];
+/// Views of the built-in flights.
+const FLIGHT_VIEWS: usize = 20 * VIEWS_PER_S as usize;
+
+/// A picture of the window on its way to a file.
+#[derive(Debug)]
+struct Screenshot {
+    file: PathBuf,
+    asked: bool,
+    done: Arc<Mutex<Option<Result<(), String>>>>,
+}
+
+/// The window's state.
+pub(super) struct Viewer {
+    stage: Stage,
+    settings: Settings,
+    rig: Rig,
+    /// The start is over all of the terrain: to be fitted to the picture once its size is known.
+    fit_start: bool,
+    plots: Plots,
+    last: Option<Numbers>,
+    recorder: Option<Recorder>,
+    player: Option<Player>,
+    /// The path last recorded or given.
+    path: Option<CameraPath>,
+    /// A line to tell, and when it was told.
+    message: Option<(String, f64)>,
+    help: bool,
+    panel: bool,
+    /// The point of the land that a drag holds.
+    grabbed: Option<DVec3>,
+    /// Whether the frame before asked for this one.
+    live: bool,
+    frames: u32,
+    screenshot: Option<Screenshot>,
+    failure: Failure,
+}
+
+impl Viewer {
+    /// Sets the window up.
+    pub(super) fn new(
+        context: &eframe::CreationContext<'_>,
+        terrain: Terrain,
+        options: Options,
+        failure: Failure,
+    ) -> Result<Self, String> {
+        let render = context.wgpu_render_state.clone().ok_or("no window: it has no graphics device")?;
+        context.egui_ctx.set_theme(egui::Theme::Dark);
+        let home = options.view.unwrap_or_else(|| yamanami::overview(&terrain, options.size));
+        let mut settings = Settings::new(&options);
+        // four samples a pixel are dear where the processor draws
+        settings.antialias = render.adapter.get_info().device_type != wgpu::DeviceType::Cpu;
+        let mut stage = Stage::new(render, terrain, &settings);
+        if let Some(image) = &options.image {
+            stage.lay_image(image)?;
+        }
+        let done = Arc::default();
+        Ok(Self {
+            stage,
+            settings,
+            rig: Rig::new(home),
+            fit_start: options.view.is_none(),
+            plots: Plots::default(),
+            last: None,
+            recorder: None,
+            player: options.path.clone().and_then(Player::new),
+            path: options.path,
+            message: None,
+            help: false,
+            panel: true,
+            grabbed: None,
+            live: false,
+            frames: 0,
+            screenshot: options.screenshot.map(|file| Screenshot { file, asked: false, done }),
+            failure,
+        })
+    }
+
+    fn tell(&mut self, ui: &egui::Ui, line: impl Into<String>) {
+        self.message = Some((line.into(), ui.input(|i| i.time)));
+    }
+
+    /// What keys pressed in this frame ask for.
+    fn keys(&mut self, ui: &egui::Ui) -> Option<Action> {
+        if ui.text_edit_focused() {
+            return None;
+        }
+        let pressed = |key: Key| {
+            ui.input(|i| {
+                i.events.iter().any(|event| {
+                    matches!(event, Event::Key { key: k, pressed: true, repeat: false, modifiers, .. }
+                        if *k == key && !modifiers.command && !modifiers.alt)
+                })
+            })
+        };
+        if pressed(Key::C) {
+            let choices = Colour::ALL.len() - usize::from(!self.stage.has_image());
+            let next = Colour::ALL.iter().position(|&c| c == self.settings.colour).map_or(0, |i| (i + 1) % choices);
+            self.settings.colour = Colour::ALL[next];
+        }
+        self.settings.wireframe ^= pressed(Key::L);
+        self.settings.morph ^= pressed(Key::G);
+        [
+            (Key::R, Action::Reset),
+            (Key::F, Action::ChangeMode),
+            (Key::Z, Action::Freeze),
+            (Key::T, Action::Record),
+            (Key::Y, Action::Replay),
+            (Key::P, Action::Picture),
+            (Key::H, Action::Help),
+            (Key::F1, Action::Help),
+            (Key::M, Action::Panel),
+        ]
+        .into_iter()
+        .find_map(|(key, action)| pressed(key).then_some(action))
+    }
+
+    /// What keys held down ask of the camera.
+    fn drive(ui: &egui::Ui) -> Drive {
+        if ui.text_edit_focused() {
+            return Drive::default();
+        }
+        ui.input(|i| {
+            let axis = |plus: Key, minus: Key| f64::from(i8::from(i.key_down(plus)) - i8::from(i.key_down(minus)));
+            let held = !i.modifiers.command && !i.modifiers.alt;
+            let along = [axis(Key::W, Key::S), axis(Key::D, Key::A), axis(Key::E, Key::Q)];
+            Drive { along: if held { along } else { [0.0; 3] }, fast: i.modifiers.shift }
+        })
+    }
+
+    fn act(&mut self, ui: &egui::Ui, action: Action, view: &View) -> Result<(), Error> {
+        match action {
+            Action::Reset => {
+                self.player = None;
+                self.rig.reset();
+            }
+            Action::ChangeMode => {
+                let mode = if self.rig.mode() == Mode::Orbit { Mode::Fly } else { Mode::Orbit };
+                let ahead = Ground::of(&self.stage.terrain).hit(view.eye, view.forward());
+                self.rig.set_mode(mode, ahead);
+                self.tell(ui, if mode == Mode::Fly { "Flight: W A S D, Q E, drag to look" } else { "Orbit" });
+            }
+            Action::Freeze => self.stage.freeze(if self.stage.frozen().is_some() { None } else { Some(*view) }),
+            Action::Record => match self.recorder.take() {
+                None => self.recorder = Some(Recorder::new(*view)),
+                Some(recorder) => {
+                    self.tell(ui, format!("{} views recorded; Y replays them", recorder.len()));
+                    self.path = Some(recorder.finish());
+                }
+            },
+            Action::Replay => {
+                self.player = match self.player.take() {
+                    Some(_) => None,
+                    None => self.path.clone().and_then(Player::new),
+                }
+            }
+            Action::SavePath => {
+                if let Some(path) = &self.path {
+                    let file = free_name("yamanami-path", "json");
+                    yamanami::write_path(&self.stage.terrain, path, &file)?;
+                    self.tell(ui, format!("Saved {}", file.display()));
+                }
+            }
+            Action::Orbit => {
+                let path = yamanami::orbit(&self.stage.terrain, FLIGHT_VIEWS, view.viewport_px);
+                self.player = Player::new(path);
+            }
+            Action::ValleyRun => {
+                let path = yamanami::valley_run(&self.stage.terrain, FLIGHT_VIEWS, view.viewport_px)?;
+                self.player = Player::new(path);
+            }
+            Action::Picture => {
+                let file = free_name("yamanami-view", "png");
+                let picture = self.stage.picture(view, &self.settings)?;
+                picture.save(&file).map_err(|source| Error::Picture { path: file.clone(), source })?;
+                self.tell(ui, format!("Saved {}", file.display()));
+            }
+            Action::Help => self.help = !self.help,
+            Action::Panel => self.panel = !self.panel,
+        }
+        Ok(())
+    }
+
+    /// Files dropped on the window: images are laid over the land, paths are flown.
+    fn drops(&mut self, ui: &egui::Ui, viewport_px: [u32; 2]) {
+        let files: Vec<PathBuf> = ui.input(|i| i.raw.dropped_files.iter().map(|f| f.path().to_owned()).collect());
+        for file in files {
+            let is_path = file.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
+            let done = if is_path { self.open_path(&file, viewport_px) } else { self.open_image(&file) };
+            let line = done.err().unwrap_or_else(|| format!("Opened {}", file.display()));
+            self.tell(ui, line);
+        }
+    }
+
+    fn open_path(&mut self, file: &Path, viewport_px: [u32; 2]) -> Result<(), String> {
+        let path = yamanami::read_path(&self.stage.terrain, file, viewport_px).map_err(|error| error.to_string())?;
+        self.player = Player::new(path.clone());
+        self.path = Some(path);
+        Ok(())
+    }
+
+    fn open_image(&mut self, file: &Path) -> Result<(), String> {
+        self.stage.lay_image(file)?;
+        self.settings.colour = Colour::Image;
+        Ok(())
+    }
+
+    /// Moves the camera by mouse, keys or a replayed path, and gives what it sees.
+    fn move_camera(&mut self, ui: &egui::Ui, response: &Response, viewport_px: [u32; 2], dt_s: f64) -> View {
+        let ground = Ground::of(&self.stage.terrain);
+        let view = self.rig.view(viewport_px);
+        let scale = [
+            f64::from(viewport_px[0]) / f64::from(response.rect.width().max(1.0)),
+            f64::from(viewport_px[1]) / f64::from(response.rect.height().max(1.0)),
+        ];
+        let under = |at: egui::Pos2| {
+            let offset = at - response.rect.min;
+            let pixel = [f64::from(offset.x) * scale[0], f64::from(offset.y) * scale[1]];
+            ground.hit(view.eye, ray_through(&view, pixel))
+        };
+        let cursor = response.hover_pos().or(response.interact_pointer_pos());
+        if response.drag_started() {
+            self.grabbed = cursor.and_then(under);
+        }
+        let drag = response.drag_delta();
+        let drag = [f64::from(drag.x), f64::from(drag.y)];
+        let moved = drag != [0.0; 2];
+        let (wheel, pinch) = ui.input(|i| (f64::from(i.smooth_scroll_delta().y), f64::from(i.zoom_delta())));
+        let nearer = if response.hovered() { (-wheel / WHEEL_POINTS).exp() / pinch } else { 1.0 };
+        let drive = Self::drive(ui);
+        let steered = moved || nearer != 1.0 || drive.along != [0.0; 3];
+        if let Some(player) = self.player.as_mut().filter(|_| !steered) {
+            let (seen, last) = player.step(dt_s);
+            self.rig.jump_to(&seen);
+            if last {
+                self.player = None;
+            }
+            return self.rig.view(viewport_px);
+        }
+        if steered {
+            self.player = None;
+        }
+        if moved && response.dragged_by(PointerButton::Primary) {
+            self.rig.turn(drag);
+        } else if moved {
+            self.rig.pan([drag[0] * scale[0], drag[1] * scale[1]], self.grabbed, viewport_px, &ground);
+        }
+        if nearer != 1.0 {
+            self.rig.zoom(nearer, cursor.and_then(under), &ground);
+        }
+        if response.double_clicked() {
+            self.rig.zoom(DOUBLE_CLICK, cursor.and_then(under), &ground);
+        }
+        self.rig.drive(drive, dt_s, &ground);
+        self.rig.step(dt_s, &ground);
+        self.rig.view(viewport_px)
+    }
+
+    /// Everything in the middle of the window.
+    fn picture(&mut self, ui: &mut egui::Ui, action: Option<Action>, dt_s: f64) -> Result<(), Error> {
+        let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
+        let longest_px = self.stage.longest_side_px();
+        let viewport_px = [rect.width(), rect.height()].map(|side| {
+            let side_px = side * ui.pixels_per_point();
+            (side_px.round().max(1.0) as u32).min(longest_px)
+        });
+        if std::mem::take(&mut self.fit_start) {
+            self.rig = Rig::new(yamanami::overview(&self.stage.terrain, viewport_px));
+        }
+        self.drops(ui, viewport_px);
+        let view = self.move_camera(ui, &response, viewport_px, dt_s);
+        if let Some(recorder) = &mut self.recorder {
+            recorder.step(view, dt_s);
+        }
+        let shown = self.stage.show(view, &self.settings)?;
+        if let Some(numbers) = shown {
+            self.plots.push(&numbers, self.live.then_some(ui.input(|i| f64::from(i.unstable_dt))));
+            self.last = Some(numbers);
+        }
+        if let Some(texture) = self.stage.texture() {
+            let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+            ui.painter().image(texture, rect, uv, egui::Color32::WHITE);
+        }
+        self.over(ui, rect, &response, &view);
+        if let Some(action) = action {
+            self.act(ui, action, &view)?;
+            ui.request_repaint();
+        }
+        let goes_on = self.rig.is_moving() || self.player.is_some() || self.recorder.is_some() || self.settings.rebuild;
+        self.live = goes_on || !self.stage.is_settled() || Self::drive(ui).along != [0.0; 3];
+        if self.live {
+            ui.request_repaint();
+        }
+        Ok(())
+    }
+
+    /// What lies over the picture.
+    fn over(&mut self, ui: &egui::Ui, rect: Rect, response: &Response, view: &View) {
+        let painter = ui.painter_at(rect);
+        let terrain = &self.stage.terrain;
+        let ground = Ground::of(terrain);
+        if let Some(held) = self.stage.frozen() {
+            overlay::held_view(&painter, rect, view, held, &ground);
+        }
+        overlay::compass(&painter, rect, view);
+        let mode = if self.rig.mode() == Mode::Fly { format!("flight x{:.1}, ", self.rig.pace) } else { String::new() };
+        let above_m = view.eye.z - ground.height_m(view.eye.truncate());
+        let above = if ground.holds(view.eye.truncate()) { format!(" ({above_m:.0} m up)") } else { String::new() };
+        let mut text = format!("{mode}eye {}{above}", overlay::place(terrain, view.eye));
+        let pointed = response.hover_pos().and_then(|at| {
+            let offset = at - rect.min;
+            let side = |offset: f32, side: f32, px: u32| f64::from(offset / side.max(1.0)) * f64::from(px);
+            let pixel = [
+                side(offset.x, rect.width(), view.viewport_px[0]),
+                side(offset.y, rect.height(), view.viewport_px[1]),
+            ];
+            ground.hit(view.eye, ray_through(view, pixel))
+        });
+        if let Some(point) = pointed {
+            text += &format!("   cursor {}", overlay::place(terrain, point));
+        }
+        overlay::line(&painter, rect.left_bottom() + vec2(8.0, -8.0), Align2::LEFT_BOTTOM, &text);
+        let time = ui.input(|i| i.time);
+        self.message = self.message.take().filter(|(_, told)| time - told < MESSAGE_S);
+        let line = match (&self.message, &self.recorder, &self.player) {
+            (Some((line, told)), ..) => {
+                ui.request_repaint_after_secs((MESSAGE_S - (time - told)) as f32 + 0.05);
+                Some(line.clone())
+            }
+            (None, Some(recorder), _) => Some(format!("Recording: {} views", recorder.len())),
+            (None, None, Some(player)) => Some(format!("Replay: {:.0} %", player.share() * 100.0)),
+            (None, None, None) => self.stage.frozen().map(|_| "The front is held; Z lets it go".to_owned()),
+        };
+        if let Some(line) = line {
+            overlay::line(&painter, rect.center_top() + vec2(0.0, 8.0), Align2::CENTER_TOP, &line);
+        }
+    }
+
+    /// Asks for the picture of the window that the program was started for, and closes the window once it is saved.
+    fn take_screenshot(&mut self, ui: &egui::Ui) {
+        let ready = self.frames >= SCREENSHOT_FRAMES[0] && !self.live || self.frames >= SCREENSHOT_FRAMES[1];
+        let Some(shot) = &mut self.screenshot else { return };
+        ui.request_repaint();
+        if !shot.asked && ready {
+            shot.asked = true;
+            let (file, done) = (shot.file.clone(), Arc::clone(&shot.done));
+            let save = egui::ScreenshotCallback::new(move |image| {
+                let saved = save_window(&image, &file);
+                if let Ok(mut done) = done.lock() {
+                    *done = Some(saved);
+                }
+            });
+            ui.send_viewport_cmd(egui::ViewportCommand::Screenshot(save));
+        }
+        let saved = shot.done.lock().ok().and_then(|mut done| done.take());
+        match saved {
+            Some(Ok(())) => ui.send_viewport_cmd(egui::ViewportCommand::Close),
+            Some(Err(line)) => self.fail(ui, line),
+            None => {}
+        }
+    }
+
+    /// Closes the window with a reason.
+    fn fail(&self, ui: &egui::Ui, line: String) {
+        if let Ok(mut failure) = self.failure.lock() {
+            failure.get_or_insert(line);
+        }
+        ui.send_viewport_cmd(egui::ViewportCommand::Close);
+    }
+}
+
+impl eframe::App for Viewer {
+    fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+        self.frames = self.frames.saturating_add(1);
+        let dt_s = ui.input(|i| f64::from(i.stable_dt)).min(LONGEST_FRAME_S);
+        let before = self.settings.clone();
+        let mut action = self.keys(ui);
+        if self.panel {
+            let shown = Shown {
+                stage: &self.stage,
+                plots: &self.plots,
+                last: self.last,
+                recording: self.recorder.as_ref().map(Recorder::len),
+                replaying: self.player.as_ref().map(Player::share),
+                has_path: self.path.is_some(),
+            };
+            let (settings, rig) = (&mut self.settings, &mut self.rig);
+            let panel = egui::Panel::right("controls").default_size(286.0).min_size(240.0);
+            let asked = panel.show(ui, |ui| panel::show(ui, &shown, settings, rig)).inner;
+            action = asked.or(action);
+        }
+        if self.settings.restarts(&before) {
+            self.stage.restart(&self.settings);
+        }
+        let drawn = egui::CentralPanel::no_frame().show(ui, |ui| self.picture(ui, action, dt_s)).inner;
+        overlay::help(ui, &mut self.help);
+        match drawn {
+            Ok(()) => {}
+            // what only writes a file may fail and the flight goes on
+            Err(error @ (Error::File { .. } | Error::Picture { .. })) => self.tell(ui, error.to_string()),
+            Err(error) => self.fail(ui, error.to_string()),
+        }
+        self.take_screenshot(ui);
+    }
+}
+
+/// The first of `name-001.ending`, `name-002.ending`, … in the current folder that is no file yet.
+fn free_name(name: &str, ending: &str) -> PathBuf {
+    let numbered = |number: u32| PathBuf::from(format!("{name}-{number:03}.{ending}"));
+    (1..u32::MAX).map(numbered).find(|file| !file.exists()).unwrap_or_else(|| numbered(0))
+}
+
+/// Saves a picture of the window.
+fn save_window(image: &egui::ColorImage, file: &Path) -> Result<(), String> {
+    let [width, height] = image.size.map(|side| side as u32);
+    let pixels = image.pixels.iter().flat_map(|p| [p.r(), p.g(), p.b(), 255]).collect();
+    let picture = RgbaImage::from_raw(width, height, pixels).unwrap_or_default();
+    picture.save(file).map_err(|error| format!("{}: {error}", file.display()))
+}
