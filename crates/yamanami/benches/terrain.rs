@@ -36,7 +36,8 @@ fn build(c: &mut Criterion) {
 
 fn frame(c: &mut Criterion) {
     let side = 2049;
-    let terrain = Terrain::build(SyntheticTerrain::mountains(side, side, 1).to_field(), String::new(), &|_| ()).unwrap();
+    let terrain =
+        Terrain::build(SyntheticTerrain::mountains(side, side, 1).to_field(), String::new(), &|_| ()).unwrap();
     let [east_m, _] = terrain.extent_m();
     let mut group = c.benchmark_group("controller, a frame at 15 m");
     for budget in [5_000, 100_000, 1_000_000] {
@@ -48,7 +49,8 @@ fn frame(c: &mut Criterion) {
                 let along_m = 15.0 * f64::from(i % 2000);
                 i += 1;
                 let eye = DVec3::new(0.3 * east_m + 0.8 * along_m, -0.35 * east_m - 0.6 * along_m, 2500.0);
-                let view = View { eye, target: eye + DVec3::new(0.8, -0.6, -0.3), fov_y_rad: 0.8, viewport_px: [1280, 720] };
+                let view =
+                    View { eye, target: eye + DVec3::new(0.8, -0.6, -0.3), fov_y_rad: 0.8, viewport_px: [1280, 720] };
                 let criteria = Criteria {
                     view: Some(ViewCriterion { view, tolerance_px: 1e-3, cull: false }),
                     budget_triangles: Some(budget),

@@ -100,10 +100,12 @@ fn a_flight_over_a_database_is_the_flight_over_the_grid() {
         let [east_m, north_m] = grid.extent_m();
         for i in 0..12 {
             let eye = glam::DVec3::new(east_m * 0.08 * f64::from(i), -0.6 * north_m, 2500.0);
-            let view = View { eye, target: eye + glam::DVec3::new(0.4, 1.0, -1.0), fov_y_rad: 0.9, viewport_px: [640, 360] };
+            let view =
+                View { eye, target: eye + glam::DVec3::new(0.4, 1.0, -1.0), fov_y_rad: 0.9, viewport_px: [640, 360] };
             let view = Some(ViewCriterion { view, tolerance_px: 1.0, cull: true });
             let criteria = Criteria { view, budget_triangles: Some(3000), ..Criteria::default() };
-            let (of_grid, of_pages) = (a.update(&mut grid, &criteria).unwrap(), b.update(&mut paged, &criteria).unwrap());
+            let (of_grid, of_pages) =
+                (a.update(&mut grid, &criteria).unwrap(), b.update(&mut paged, &criteria).unwrap());
             assert_eq!(of_grid.report.triangles, of_pages.report.triangles);
             assert_eq!(a.canvas().buffers().contents().triangles, b.canvas().buffers().contents().triangles);
         }

@@ -129,6 +129,9 @@ fn world_file(image: &Path) -> Result<Option<[f64; 6]>, Failure> {
     let numbers: Option<Vec<f64>> = text.split_whitespace().map(|t| values::number(t).ok()).collect();
     let six = numbers.and_then(|v| <[f64; 6]>::try_from(v).ok()).filter(|[a, d, b, e, ..]| a * e - b * d != 0.0);
     six.map(Some).ok_or_else(|| {
-        Failure::failed(format!("{}: expected six numbers of a map that can be turned round, one a line", file.display()))
+        Failure::failed(format!(
+            "{}: expected six numbers of a map that can be turned round, one a line",
+            file.display()
+        ))
     })
 }

@@ -22,9 +22,11 @@ pub(crate) fn tolerance(text: &str) -> Result<f32, String> {
 
 /// A share from 0 to 1.
 pub(crate) fn share(text: &str) -> Result<f64, String> {
-    number(text).and_then(|v| {
-        if (0.0..=1.0).contains(&v) { Ok(v) } else { Err("expected a share from 0 to 1".to_owned()) }
-    })
+    number(text).and_then(
+        |v| {
+            if (0.0..=1.0).contains(&v) { Ok(v) } else { Err("expected a share from 0 to 1".to_owned()) }
+        },
+    )
 }
 
 /// A triangle budget: a mesh of fewer than two triangles is none.

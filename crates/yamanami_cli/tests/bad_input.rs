@@ -20,9 +20,21 @@ fn files_that_cannot_be_read() {
     write("short.tif", &whole[..whole.len() / 2]);
     write("empty.tif", b"");
     write("row.asc", b"ncols 1\nnrows 4\nxllcorner 0\nyllcorner 0\ncellsize 1\n1\n2\n3\n4\n");
-    write("void.asc", b"ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\nnodata_value -9999\n-9999 -9999\n-9999 -9999\n");
+    write(
+        "void.asc",
+        b"ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\nnodata_value -9999\n-9999 -9999\n-9999 -9999\n",
+    );
     write("not.yama", b"SQLite format 3\0 but nothing behind it");
-    for name in ["missing.tif", "text.tif", "short.tif", "empty.tif", "row.asc", "void.asc", "not.yama", "missing.yama"] {
+    for name in [
+        "missing.tif",
+        "text.tif",
+        "short.tif",
+        "empty.tif",
+        "row.asc",
+        "void.asc",
+        "not.yama",
+        "missing.yama",
+    ] {
         let line = error(folder, &format!("extract %/{name} --tolerance 5 -o %/out.ply"), 1);
         let told = if name == "void.asc" { "no data" } else { name };
         assert!(line.contains(told), "{line}");

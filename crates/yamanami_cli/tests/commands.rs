@@ -9,7 +9,10 @@ fn info_tells_a_dem_a_database_and_a_mesh() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     let dem = json(folder, "info @ --picture %/map.png");
-    assert_eq!((dem["kind"].as_str(), dem["width"].as_u64(), dem["height"].as_u64()), (Some("dem"), Some(257), Some(257)));
+    assert_eq!(
+        (dem["kind"].as_str(), dem["width"].as_u64(), dem["height"].as_u64()),
+        (Some("dem"), Some(257), Some(257))
+    );
     assert_eq!(dem["crs"]["epsg"], 32619);
     assert_eq!(dem["step_x_m"], 50.0);
     assert_eq!(dem["no_data_share"], 0.0);
@@ -143,7 +146,9 @@ fn flights_keep_their_budget_frame_by_frame() {
     }
     assert!(flight["comparison"]["rebuild_over_differences"].is_number());
     let again = json(folder, "fly @ --budget 5000 --path %/path.json --no-draw");
-    let counts = |f: &serde_json::Value| f["frames"].as_array().unwrap().iter().map(|f| f["triangles"].clone()).collect::<Vec<_>>();
+    let counts = |f: &serde_json::Value| {
+        f["frames"].as_array().unwrap().iter().map(|f| f["triangles"].clone()).collect::<Vec<_>>()
+    };
     assert_eq!(counts(&flight), counts(&again), "a recorded path is the same flight");
     let paper = json(folder, "fly @ --budget 5000 --lod paper --frames 20 --no-draw --rebuild");
     assert!(paper["frames"][19]["top_threshold_m"].is_number());
@@ -155,10 +160,18 @@ fn flights_keep_their_budget_frame_by_frame() {
 fn a_flight_leaves_plots_pictures_and_numbers() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    let arguments = "fly @ --tolerance-px 2 --frames 12 --path orbit --size 160x90 --draw software -o %/out --pictures 3";
+    let arguments =
+        "fly @ --tolerance-px 2 --frames 12 --path orbit --size 160x90 --draw software -o %/out --pictures 3";
     let table = stdout(folder, arguments);
     assert!(table.lines().count() > 12 && table.contains("triangles"), "{table}");
-    for name in ["flight.json", "triangles.png", "time.png", "frame-00000.png", "frame-00005.png", "frame-00011.png"] {
+    for name in [
+        "flight.json",
+        "triangles.png",
+        "time.png",
+        "frame-00000.png",
+        "frame-00005.png",
+        "frame-00011.png",
+    ] {
         assert!(folder.join("out").join(name).is_file(), "{name}");
     }
     let saved: serde_json::Value =
@@ -189,7 +202,18 @@ fn generated_terrain_is_read_back() {
 fn help_and_version_succeed() {
     let folder = tempfile::tempdir().unwrap();
     let help = stdout(folder.path(), "--help");
-    for command in ["demo", "info", "build", "view", "fly", "render", "extract", "compare", "generate", "reproduce"] {
+    for command in [
+        "demo",
+        "info",
+        "build",
+        "view",
+        "fly",
+        "render",
+        "extract",
+        "compare",
+        "generate",
+        "reproduce",
+    ] {
         assert!(help.contains(command), "{command}");
         assert!(stdout(folder.path(), &format!("{command} --help")).contains("Usage"), "{command}");
     }

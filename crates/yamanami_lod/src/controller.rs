@@ -176,7 +176,7 @@ impl Controller {
         self.average.follow(Rates { eye_m, turn_rad, threshold: self.threshold_moved_last }, self.frames_since_start);
         self.frames_since_start += 1;
         let units = (eye_m / self.rates.eye_m).max(turn_rad / self.rates.turn_rad);
-        let due = self.frames_since_start.is_power_of_two() || self.frames_since_start % 64 == 0;
+        let due = self.frames_since_start.is_power_of_two() || self.frames_since_start.is_multiple_of(64);
         if due && self.rates.unlike(self.average) {
             self.start_over(hierarchy, scale);
         } else {

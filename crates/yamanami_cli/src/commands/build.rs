@@ -95,11 +95,16 @@ pub(crate) fn run(args: &BuildArgs) -> Result<(), Failure> {
             text::bytes(source_bytes)
         ),
     )?;
-    let kept = if args.max_error > 0.0 { format!("within {} m", text::number(args.max_error)) } else { "exactly".to_owned() };
+    let kept =
+        if args.max_error > 0.0 { format!("within {} m", text::number(args.max_error)) } else { "exactly".to_owned() };
     out::row("heights", format_args!("kept {kept}, {} without data", text::count(no_data as u64)))?;
     out::row(
         "time",
-        format_args!("{} s, {} million samples a second", text::number(build_s), text::number(samples as f64 / build_s / 1e6)),
+        format_args!(
+            "{} s, {} million samples a second",
+            text::number(build_s),
+            text::number(samples as f64 / build_s / 1e6)
+        ),
     )?;
     note(&format!("next: yamanami fly {} --budget 100000", args.output.display()));
     Ok(())

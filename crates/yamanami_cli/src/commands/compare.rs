@@ -112,7 +112,10 @@ fn meshes(args: &CompareArgs) -> Result<(), Failure> {
         }
         return out::json(&result);
     }
-    out::row("faces", format_args!("{} and {}", text::count(a.triangles.len() as u64), text::count(b.triangles.len() as u64)))?;
+    out::row(
+        "faces",
+        format_args!("{} and {}", text::count(a.triangles.len() as u64), text::count(b.triangles.len() as u64)),
+    )?;
     out::row("rms", format_args!("{} m", text::number(distance.rms_m)))?;
     out::row("hausdorff", format_args!("{} m", text::number(distance.hausdorff_m)))?;
     for ((_, way), title) in ways.into_iter().zip(["first to second", "second to first"]) {
@@ -175,9 +178,7 @@ fn likely_frame(field: &HeightField, mesh: &TriangleMesh) -> MeshFrame {
     let last = [(field.width() - 1) as f64, (field.height() - 1) as f64];
     let shared = |grid: &dyn Fn(f64, f64) -> [f64; 2]| {
         let (a, b) = (grid(bounds.min.x, bounds.min.y), grid(bounds.max.x, bounds.max.y));
-        (0..2)
-            .map(|k| (a[k].max(b[k]).min(last[k]) - a[k].min(b[k]).max(0.0)).max(0.0) / last[k])
-            .product::<f64>()
+        (0..2).map(|k| (a[k].max(b[k]).min(last[k]) - a[k].min(b[k]).max(0.0)).max(0.0) / last[k]).product::<f64>()
     };
     let geo = field.geo();
     let source = shared(&|x, y| geo.grid_from_source(x, y));

@@ -62,7 +62,10 @@ pub(crate) fn run(args: &DemoArgs) -> Result<(), Failure> {
 
     let database = at("bigtujunga.yama");
     let built = san_gabriel()?;
-    let options = StoreOptions { source: format!("{SAN_GABRIEL_NAME} (NASA / USGS SRTM, public domain)"), ..StoreOptions::default() };
+    let options = StoreOptions {
+        source: format!("{SAN_GABRIEL_NAME} (NASA / USGS SRTM, public domain)"),
+        ..StoreOptions::default()
+    };
     {
         let bar = Bar::shares("database");
         built.store_as(&database, &options, &|share| bar.set_share(share))?;
@@ -76,7 +79,8 @@ pub(crate) fn run(args: &DemoArgs) -> Result<(), Failure> {
     let with = args.draw.with();
     let bar = Bar::spinner("pictures");
     let view = yamanami::view_between(&terrain, EYE, TARGET, 38f64.to_radians(), [1600, 900]);
-    let criteria = Criteria { view: Some(ViewCriterion { view, tolerance_px: 0.5, cull: true }), ..Criteria::default() };
+    let criteria =
+        Criteria { view: Some(ViewCriterion { view, tolerance_px: 0.5, cull: true }), ..Criteria::default() };
     let mut style = pictures::relief(&terrain);
     style.light.strength = 2.0;
     style.light.sun_altitude_rad = 0.65;
@@ -129,16 +133,26 @@ pub(crate) fn run(args: &DemoArgs) -> Result<(), Failure> {
     )?;
     out::row(
         "relief.png",
-        format_args!("{} triangles ({} % of all), error at most {} px", text::count(relief.report.triangles as u64),
-            text::number(100.0 * relief.report.triangles as f64 / full as f64), text::number(f64::from(relief.report.error_left))),
+        format_args!(
+            "{} triangles ({} % of all), error at most {} px",
+            text::count(relief.report.triangles as u64),
+            text::number(100.0 * relief.report.triangles as f64 / full as f64),
+            text::number(f64::from(relief.report.error_left))
+        ),
     )?;
     out::line("")?;
     let fps = text::number(frames_per_s(&flown.frames));
-    out::line(format_args!("Flight of {FRAMES} frames, 1280 x 720, drawn with {} at {fps} frames a second", flown.drawn_with))?;
+    out::line(format_args!(
+        "Flight of {FRAMES} frames, 1280 x 720, drawn with {} at {fps} frames a second",
+        flown.drawn_with
+    ))?;
     print_summary(&flown.frames, Some(BUDGET), false)?;
     comparison.print()?;
     out::line("")?;
-    out::row("written", format_args!("{}: bigtujunga.yama, relief.png, wireframe.png, {}", args.output.display(), written.join(", ")))?;
+    out::row(
+        "written",
+        format_args!("{}: bigtujunga.yama, relief.png, wireframe.png, {}", args.output.display(), written.join(", ")),
+    )?;
     note(&format!("all of it took {} s", text::number(started.elapsed().as_secs_f64())));
     let (folder, name) = (args.output.display(), database.display());
     out::line("")?;

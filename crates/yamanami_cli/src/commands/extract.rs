@@ -151,13 +151,18 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
 fn verdict(check: &Check, promised_m: Option<f64>) -> Result<(), Failure> {
     let max_m = check.vertical.max_m;
     if let Some(promised_m) = promised_m.filter(|&promised_m| max_m > promised_m) {
-        return Err(Failure::failed(format!("check: the true error is {max_m} m, at most {promised_m} m was promised")));
+        return Err(Failure::failed(format!(
+            "check: the true error is {max_m} m, at most {promised_m} m was promised"
+        )));
     }
     if !check.conformity.is_conforming() {
         return Err(Failure::failed(format!("check: the mesh is not conforming: {}", check.conformity)));
     }
     if check.vertical.uncovered > 0 {
-        note(&format!("note: {} samples with data lie in no triangle (their neighbours have no data)", check.vertical.uncovered));
+        note(&format!(
+            "note: {} samples with data lie in no triangle (their neighbours have no data)",
+            check.vertical.uncovered
+        ));
     }
     Ok(())
 }

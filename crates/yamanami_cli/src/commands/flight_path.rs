@@ -43,7 +43,9 @@ impl PathArgs {
                     _ => (recorded, false),
                 }
             }
-            other => return Err(Failure::misuse(format!("--path: expected orbit, valley or a .json file, given '{other}'"))),
+            other => {
+                return Err(Failure::misuse(format!("--path: expected orbit, valley or a .json file, given '{other}'")));
+            }
         };
         Ok(match self.speed {
             Some(speed_m) => at_speed(&path, speed_m, self.frames, closed),
@@ -99,7 +101,8 @@ mod tests {
     use glam::DVec3;
 
     fn straight() -> CameraPath {
-        let view = |x: f64| View { eye: DVec3::X * x, target: DVec3::X * x + DVec3::Y, fov_y_rad: 1.0, viewport_px: [64, 64] };
+        let view =
+            |x: f64| View { eye: DVec3::X * x, target: DVec3::X * x + DVec3::Y, fov_y_rad: 1.0, viewport_px: [64, 64] };
         CameraPath { views: [0.0, 10.0, 100.0].map(view).to_vec() }
     }
 

@@ -83,7 +83,10 @@ pub(crate) fn print_summary(frames: &[FrameStats], budget: Option<u32>, paper: b
             text::count(s.changed_median as u64)
         ),
     )?;
-    out::row("upload", format_args!("{}, {} ms a frame", text::bytes(s.upload_bytes_median), text::number(s.upload_ms_median)))?;
+    out::row(
+        "upload",
+        format_args!("{}, {} ms a frame", text::bytes(s.upload_bytes_median), text::number(s.upload_ms_median)),
+    )?;
     let waiting = frames.iter().filter(|f| f.limited_by == "residency").count();
     if waiting > 0 {
         out::row("pages", format_args!("{waiting} frames were coarser than asked for while pages were read"))?;
@@ -91,7 +94,11 @@ pub(crate) fn print_summary(frames: &[FrameStats], budget: Option<u32>, paper: b
     if s.draw_ms_median > 0.0 {
         out::row(
             "draw",
-            format_args!("{} ms a frame; {} frames a second with all", text::number(s.draw_ms_median), text::number(frames_per_s(frames))),
+            format_args!(
+                "{} ms a frame; {} frames a second with all",
+                text::number(s.draw_ms_median),
+                text::number(frames_per_s(frames))
+            ),
         )?;
     }
     Ok(())
@@ -138,6 +145,12 @@ impl Comparison {
             let (ms, bytes) = Self::medians(frames);
             out::row(name, format_args!("{} ms and {} written a frame", text::number(ms), text::bytes(bytes)))?;
         }
-        out::row("", format_args!("differences are {} times as fast (finding the front is not counted against the rebuild)", text::number(self.ratio())))
+        out::row(
+            "",
+            format_args!(
+                "differences are {} times as fast (finding the front is not counted against the rebuild)",
+                text::number(self.ratio())
+            ),
+        )
     }
 }

@@ -12,8 +12,8 @@ use clap::Args;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use yamanami::{
-    CameraPath, Canvas, DrawWith, FlightMode, FlightOptions, FrameStats, Terrain, measure_rate, triangles_at_rate, write_flight_plots,
-    write_path,
+    CameraPath, Canvas, DrawWith, FlightMode, FlightOptions, FrameStats, Terrain, measure_rate, triangles_at_rate,
+    write_flight_plots, write_path,
 };
 
 /// Replay a camera path: frames, statistics, plots

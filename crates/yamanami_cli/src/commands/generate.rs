@@ -135,7 +135,10 @@ pub(crate) fn run(args: &GenerateArgs) -> Result<(), Failure> {
         |[low, high]| format!("{} to {} m", text::number(f64::from(low)), text::number(f64::from(high))),
     );
     out::row("file", format_args!("{}, {}", args.output.display(), text::bytes(inputs::file_bytes(&args.output)?)))?;
-    out::row("samples", format_args!("{width} x {height}, {} without data", text::count(field.no_data_count() as u64)))?;
+    out::row(
+        "samples",
+        format_args!("{width} x {height}, {} without data", text::count(field.no_data_count() as u64)),
+    )?;
     out::row("heights", range)
 }
 

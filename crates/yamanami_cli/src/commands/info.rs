@@ -162,7 +162,8 @@ fn draw_map(terrain: &mut Terrain, file: &Path, json: bool) -> Result<(), Failur
     let target = DVec3::new(0.5 * east_m, -0.5 * north_m, top_m);
     let eye = target + DVec3::Z * (0.505 * across_m / (0.5 * fov_y_rad).tan());
     let view = View { eye, target, fov_y_rad, viewport_px: size };
-    let style = RenderOptions { haze: Haze::None, background: Background::Plain([255; 3]), ..pictures::relief(terrain) };
+    let style =
+        RenderOptions { haze: Haze::None, background: Background::Plain([255; 3]), ..pictures::relief(terrain) };
     let criteria =
         Criteria { view: Some(ViewCriterion { view, tolerance_px: 0.01, cull: false }), ..Criteria::default() };
     let drawn = render::picture(terrain, &criteria, &view, &style, DrawWith::Software)?;

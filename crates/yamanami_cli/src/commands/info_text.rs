@@ -67,18 +67,26 @@ pub(crate) fn dem_json(paths: &[PathBuf], file: &DemFile, facts: &HeightFacts) -
 pub(crate) fn print_dem(paths: &[PathBuf], file: &DemFile, facts: &HeightFacts) -> Result<(), Failure> {
     let info = file.info();
     let names: Vec<String> = paths.iter().take(4).map(|p| p.display().to_string()).collect();
-    let more = if paths.len() > names.len() { format!(" and {} more", paths.len() - names.len()) } else { String::new() };
+    let more =
+        if paths.len() > names.len() { format!(" and {} more", paths.len() - names.len()) } else { String::new() };
     out::row("file", format_args!("{}{more}, {}", names.join(", "), text::bytes(inputs::total_bytes(paths))))?;
     let parts = if info.files > 1 { format!(", mosaic of {} grids", info.files) } else { String::new() };
     out::row("format", format_args!("{}, {}, compression {}{parts}", info.format, info.sample_type, info.compression))?;
-    out::row("stored as", format_args!("blocks of {} x {}{}", info.chunk[0], info.chunk[1], overviews(&info.overviews)))?;
+    out::row(
+        "stored as",
+        format_args!("blocks of {} x {}{}", info.chunk[0], info.chunk[1], overviews(&info.overviews)),
+    )?;
     print_grid(&info.geo, info.size)?;
     let samples = info.size[0] as f64 * info.size[1] as f64;
     out::row("heights", range(facts.range_m))?;
     let stated = info.no_data.map_or_else(String::new, |v| format!(", stated as {v}"));
     out::row(
         "no-data",
-        format_args!("{} samples, {} %{stated}", text::count(facts.no_data), text::number(100.0 * facts.no_data as f64 / samples)),
+        format_args!(
+            "{} samples, {} %{stated}",
+            text::count(facts.no_data),
+            text::number(100.0 * facts.no_data as f64 / samples)
+        ),
     )?;
     info.notes.iter().try_for_each(|note| out::row("note", note))
 }
@@ -160,7 +168,10 @@ pub(crate) fn print_database(path: &Path, store: &TerrainStore, bytes: u64, veri
     let size = meta.size.map(|n| n as usize);
     let samples = size[0] as f64 * size[1] as f64;
     out::row("file", format_args!("{}, {}", path.display(), text::bytes(bytes)))?;
-    out::row("format", format_args!("yamanami surface database, {} bytes a sample", text::number(bytes as f64 / samples)))?;
+    out::row(
+        "format",
+        format_args!("yamanami surface database, {} bytes a sample", text::number(bytes as f64 / samples)),
+    )?;
     if !meta.source.is_empty() {
         out::row("made from", &meta.source)?;
     }

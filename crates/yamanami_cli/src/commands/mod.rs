@@ -21,7 +21,12 @@ use clap::{Parser, Subcommand};
 
 /// Survey elevation data to smooth, exact and small multiresolution surfaces.
 #[derive(Debug, Parser)]
-#[command(name = "yamanami", version, about, max_term_width = 110, after_help = "\
+#[command(
+    name = "yamanami",
+    version,
+    about,
+    max_term_width = 110,
+    after_help = "\
 Start with:
   yamanami demo                              all of it on bundled real terrain
   yamanami info dem.tif                      what is this file
@@ -32,7 +37,8 @@ Start with:
                                              a flight with never more than 100,000 triangles
 
 Elevation files: GeoTIFF and COG, SRTM .hgt, DTED, ESRI ASCII, GSI FG-GML, elevation tiles. Where one SOURCE is named, several
-make one mosaic, and a .yama stands as well. Results go to stdout, progress to stderr. Exit code: 0 success, 1 failure, 2 misuse.")]
+make one mosaic, and a .yama stands as well. Results go to stdout, progress to stderr. Exit code: 0 success, 1 failure, 2 misuse."
+)]
 pub(crate) struct Program {
     #[command(subcommand)]
     command: Command,

@@ -123,6 +123,8 @@ fn warn_if_far(terrain: &Terrain, view: &View) {
     if off(view.target.x, east_m) || off(-view.target.y, north_m) {
         let crs = &terrain.geo().crs;
         let [west, south, east, north] = text::bounds(terrain.geo(), terrain.size()).map(|v| text::coordinate(v, crs));
-        note(&format!("note: the target is far off the terrain, which lies at x {west} to {east}, y {south} to {north}"));
+        note(&format!(
+            "note: the target is far off the terrain, which lies at x {west} to {east}, y {south} to {north}"
+        ));
     }
 }

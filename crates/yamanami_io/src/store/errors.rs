@@ -1,13 +1,14 @@
 //! Error codes: rounding up to steps, and what follows from the heights on level 0.
 //!
 //! On level 0 an error is the size of the point's own detail, so the codes follow from the heights and only exceptions
-//! are stored. `error_steps` stores those of the other levels.
+//! are stored, exactly. `error_steps` stores those of the other levels.
 
 use super::bits::{put_varint, take, take_varint};
 use yamanami_core::ErrorCode;
 
 /// Codes in an octave.
 const CODES_PER_OCTAVE: u32 = 2048;
+
 /// Steps that codes are rounded up to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Steps {
@@ -15,6 +16,9 @@ pub(super) struct Steps {
 }
 
 impl Steps {
+    /// Every code is a step.
+    pub(super) const EXACT: Self = Self { per_octave: CODES_PER_OCTAVE };
+
     /// `per_octave` is a power of two up to 2048; `None` otherwise.
     pub(super) fn new(per_octave: u32) -> Option<Self> {
         (per_octave.is_power_of_two() && per_octave <= CODES_PER_OCTAVE).then_some(Self { per_octave })
@@ -87,11 +91,10 @@ impl Ground<'_> {
     }
 }
 
-/// Codes level-0 errors as exceptions to what follows from the heights; `None` when there are too many.
-pub(super) fn encode_exceptions(ground: Ground<'_>, errors: &[ErrorCode], slack_m: f32) -> Option<Vec<u8>> {
-    let limit = ground.width * ground.height / 16 + 16;
+/// Codes level-0 errors as exceptions to what follows from the heights.
+pub(super) fn encode_exceptions(ground: Ground<'_>, errors: &[ErrorCode], slack_m: f32) -> Vec<u8> {
     let derived = ground.derived(slack_m);
-    let (mut list, mut count, mut since) = (Vec::new(), 0, 0u64);
+    let (mut list, mut count, mut since) = (Vec::new(), 0u64, 0u64);
     if derived != errors {
         for i in ground.new_points().map(|(x, y)| y * ground.width + x) {
             if derived[i] == errors[i] {
@@ -99,18 +102,15 @@ pub(super) fn encode_exceptions(ground: Ground<'_>, errors: &[ErrorCode], slack_
                 continue;
             }
             count += 1;
-            if count > limit {
-                return None;
-            }
             put_varint(&mut list, since);
             put_varint(&mut list, u64::from(errors[i].0));
             since = 0;
         }
     }
     let mut out = slack_m.to_le_bytes().to_vec();
-    put_varint(&mut out, count as u64);
+    put_varint(&mut out, count);
     out.extend(list);
-    Some(out)
+    out
 }
 
 /// Undoes [`encode_exceptions`].

@@ -112,9 +112,9 @@ impl PageCodec {
         (id.level < self.lattice.levels()).then(|| PageId { level: id.level + 1, x: id.x / 2, y: id.y / 2 })
     }
 
-    /// The code that an error code above level 0 is read back as.
-    pub fn rounded_up(&self, code: ErrorCode) -> ErrorCode {
-        self.steps.ceil(code)
+    /// The code that an error code of a level is read back as: on level 0 itself, else one that is not below it.
+    pub fn stored_code(&self, level: u32, code: ErrorCode) -> ErrorCode {
+        if level == 0 { code } else { self.steps.ceil(code) }
     }
 
     /// Codes a page. Pure: pages can be coded on any thread, in any order.
@@ -151,18 +151,10 @@ impl PageCodec {
             if is_base { encode_base(&indices) } else { encode_new_points(&indices, width as usize, height as usize) };
         let ground =
             Ground { width: width as usize, height: height as usize, heights_m: &page.heights_m, shown: &page.shown };
-        let exceptions = || {
-            let slacks = [0.0, self.level0_slack_m];
-            let slacks = &slacks[..if slacks[1] > 0.0 { 2 } else { 1 }];
-            let coded = slacks.iter().filter_map(|&s| errors::encode_exceptions(ground, &page.errors, s));
-            coded.min_by_key(Vec::len)
-        };
-        let (error_kind, error_bytes) = if is_base {
-            (ERRORS_NONE, Vec::new())
-        } else if let Some(bytes) = (id.level == 0).then(exceptions).flatten() {
-            (ERRORS_EXCEPTIONS, bytes)
-        } else {
-            (ERRORS_STEPS, error_steps::encode(ground, self.steps, &page.errors))
+        let (error_kind, error_bytes) = match id.level {
+            _ if is_base => (ERRORS_NONE, Vec::new()),
+            0 => self.encode_level0(ground, &page.errors),
+            _ => (ERRORS_STEPS, error_steps::encode(ground, self.steps, &page.errors)),
         };
         let (shown_kind, shown_bytes) = if page.shown.iter().all(|&s| s & 3 == 3) {
             (SHOWN_ALL, Vec::new())
@@ -179,6 +171,22 @@ impl PageCodec {
         bytes.extend(shown_bytes);
         let z_range_m = range_of(&indices).map(|i| self.quantum.height_m(i));
         Ok(EncodedPage { id, bytes, z_range_m })
+    }
+
+    /// Error codes of level 0, exactly: neighbouring pages must agree on the points they share.
+    fn encode_level0(&self, ground: Ground<'_>, codes: &[ErrorCode]) -> (u8, Vec<u8>) {
+        let mut exceptions = errors::encode_exceptions(ground, codes, 0.0);
+        if self.level0_slack_m > 0.0 {
+            let other = errors::encode_exceptions(ground, codes, self.level0_slack_m);
+            exceptions = if other.len() < exceptions.len() { other } else { exceptions };
+        }
+        if exceptions.len() > codes.len() {
+            let all = error_steps::encode(ground, Steps::EXACT, codes);
+            if all.len() < exceptions.len() {
+                return (ERRORS_STEPS, all);
+            }
+        }
+        (ERRORS_EXCEPTIONS, exceptions)
     }
 
     /// Reads a page from its bytes and its coarser page; says what is wrong when it cannot be that.
@@ -229,7 +237,10 @@ impl PageCodec {
         let ground = Ground { width: columns, height: rows, heights_m: &heights_m, shown: &shown };
         let errors = match head >> 1 & 3 {
             ERRORS_NONE if is_base => Some(vec![ErrorCode(0); columns * rows]),
-            ERRORS_STEPS if !is_base => error_steps::decode(ground, self.steps, error_bytes),
+            ERRORS_STEPS if !is_base => {
+                let steps = if id.level == 0 { Steps::EXACT } else { self.steps };
+                error_steps::decode(ground, steps, error_bytes)
+            }
             ERRORS_EXCEPTIONS if id.level == 0 && !is_base => errors::decode_exceptions(ground, error_bytes),
             _ => None,
         };

@@ -27,7 +27,7 @@ impl Holes {
             for (x, square) in row.iter_mut().enumerate() {
                 let data = |dx: usize, dy: usize| !field.at(x + dx, y + dy).is_nan();
                 let diagonal = data(0, 0) && data(1, 1);
-                *square = u8::from(diagonal && data(1, 0)) * 0b0101 | u8::from(diagonal && data(0, 1)) * 0b1010;
+                *square = (u8::from(diagonal && data(1, 0)) * 0b0101) | (u8::from(diagonal && data(0, 1)) * 0b1010);
             }
         });
         let (mut squares, mut columns) = (vec![finest], vec![nx]);
