@@ -81,7 +81,7 @@ def main():
                 ratios_martini.append(ours["triangles"] / equal)
                 ratios_greedy.append(ours["triangles"] / len(greedy.triangles))
                 print(
-                    f"| {Path(dem).stem} {side}² | {e:g} | {ours['triangles']:,} | {ours['max_vertical_m']:.2f} | {equal:,} |"
+                    f"| {Path(dem).stem} {side}² | {e:g} | {ours['triangles']:,} | {ours['check']['max_vertical_m']:.2f} | {equal:,} |"
                     f" {ratios_martini[-1]:.2f} | {len(greedy.triangles):,} | {ratios_greedy[-1]:.2f} |",
                     flush=True,
                 )

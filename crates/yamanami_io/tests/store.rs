@@ -179,7 +179,7 @@ proptest! {
         let codec = codec(&surface.meta(Quantum::PerMetre(1)));
         for id in surface.page_ids() {
             let mut page = surface.page(id);
-            let new = |i: u32| (i % page.width | i / page.width) & 1 == 1 && id.level < surface.lattice.levels();
+            let new = |i: u32| ((i % page.width) | (i / page.width)) & 1 == 1 && id.level < surface.lattice.levels();
             for (i, error) in (0..).zip(&mut page.errors) {
                 if new(i) {
                     *error = ErrorCode(codes[i as usize % 64]);
@@ -388,6 +388,22 @@ fn an_unfinished_build_changes_nothing() {
     surface.write(&path, Quantum::PerMetre(1)).unwrap();
     TerrainStore::open(&path).unwrap().verify().unwrap();
     assert!(!part.exists());
+}
+
+/// Found by the fuzz target `yama_page`: a height that cannot be written was read.
+#[test]
+fn heights_off_the_quantum_are_not_read() {
+    let codec = PageCodec::new([2, 2], Quantum::PerMetre(10), true, 128, 0.0).unwrap();
+    let bytes = [1, 10, 0, 86, 240, 240, 74, 10, 255, 255, 255, 255, 0, 25, 25, 52, 51, 51, 51, 51, 51, 240];
+    assert!(codec.decode_page(PageId { level: 0, x: 0, y: 0 }, &bytes, None).is_err());
+    for quantum in [
+        Quantum::PerMetre(0),
+        Quantum::Step(0.0),
+        Quantum::Step(f64::NAN),
+        Quantum::Step(f64::INFINITY),
+    ] {
+        assert!(PageCodec::new([2, 2], quantum, false, 2, 0.0).is_err());
+    }
 }
 
 #[test]

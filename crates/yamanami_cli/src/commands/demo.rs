@@ -102,7 +102,7 @@ pub(crate) fn run(args: &DemoArgs) -> Result<(), Failure> {
     let options =
         FlightOptions { criteria, lod: Lod::Exact, mode: FlightMode::Differences, draw: true, style, morph: true };
     fly::warm_up(&terrain, &options)?;
-    let flown = fly::fly(&mut terrain, &path, &options, args.draw.with(), Some((&args.output, 3)))?;
+    let flown = fly::fly(&mut terrain, &path, &options, with, Some((&args.output, 3)))?;
     let comparison = fly::compare(&mut terrain, &path, &options, with)?;
     let result = json!({
         "terrain": terrain.title(),

@@ -1,18 +1,17 @@
 //! One frame after another: input moves the camera, the camera the front, and the front the picture.
 
-use super::camera::{Drive, Mode, Rig};
+use super::camera::{Mode, Rig};
 use super::ground::{Ground, ray_through};
 use super::panel::{self, Action, Plots, Shown};
 use super::recorder::{Player, Recorder, VIEWS_PER_S};
+use super::screenshot::{Screenshot, free_name};
 use super::settings::{Colour, Settings};
 use super::stage::{Numbers, Stage};
-use super::{Failure, Options, overlay};
-use eframe::egui::{self, Align2, Event, Key, PointerButton, Rect, Response, Sense, pos2, vec2};
+use super::{Failure, Options, keys, overlay};
+use eframe::egui::{self, Align2, PointerButton, Rect, Response, Sense, pos2, vec2};
 use eframe::wgpu;
 use glam::DVec3;
-use image::RgbaImage;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex};
 use yamanami::core::View;
 use yamanami::{CameraPath, Error, Terrain};
 
@@ -24,18 +23,8 @@ const MESSAGE_S: f64 = 6.0;
 const WHEEL_POINTS: f64 = 260.0;
 /// A double click comes so much nearer.
 const DOUBLE_CLICK: f64 = 0.4;
-/// A screenshot waits for this many frames, and for the front to settle, but not longer than the second number.
-const SCREENSHOT_FRAMES: [u32; 2] = [12, 120];
 /// Views of the built-in flights.
 const FLIGHT_VIEWS: usize = 20 * VIEWS_PER_S as usize;
-
-/// A picture of the window on its way to a file.
-#[derive(Debug)]
-struct Screenshot {
-    file: PathBuf,
-    asked: bool,
-    done: Arc<Mutex<Option<Result<(), String>>>>,
-}
 
 /// The window's state.
 pub(super) struct Viewer {
@@ -58,7 +47,6 @@ pub(super) struct Viewer {
     grabbed: Option<DVec3>,
     /// Whether the frame before asked for this one.
     live: bool,
-    frames: u32,
     screenshot: Option<Screenshot>,
     failure: Failure,
 }
@@ -81,7 +69,6 @@ impl Viewer {
         if let Some(image) = &options.image {
             stage.lay_image(image)?;
         }
-        let done = Arc::default();
         Ok(Self {
             stage,
             settings,
@@ -97,62 +84,13 @@ impl Viewer {
             panel: true,
             grabbed: None,
             live: false,
-            frames: 0,
-            screenshot: options.screenshot.map(|file| Screenshot { file, asked: false, done }),
+            screenshot: options.screenshot.map(Screenshot::new),
             failure,
         })
     }
 
     fn tell(&mut self, ui: &egui::Ui, line: impl Into<String>) {
         self.message = Some((line.into(), ui.input(|i| i.time)));
-    }
-
-    /// What keys pressed in this frame ask for.
-    fn keys(&mut self, ui: &egui::Ui) -> Option<Action> {
-        if ui.text_edit_focused() {
-            return None;
-        }
-        let pressed = |key: Key| {
-            ui.input(|i| {
-                i.events.iter().any(|event| {
-                    matches!(event, Event::Key { key: k, pressed: true, repeat: false, modifiers, .. }
-                        if *k == key && !modifiers.command && !modifiers.alt)
-                })
-            })
-        };
-        if pressed(Key::C) {
-            let choices = Colour::ALL.len() - usize::from(!self.stage.has_image());
-            let next = Colour::ALL.iter().position(|&c| c == self.settings.colour).map_or(0, |i| (i + 1) % choices);
-            self.settings.colour = Colour::ALL[next];
-        }
-        self.settings.wireframe ^= pressed(Key::L);
-        self.settings.morph ^= pressed(Key::G);
-        [
-            (Key::R, Action::Reset),
-            (Key::F, Action::ChangeMode),
-            (Key::Z, Action::Freeze),
-            (Key::T, Action::Record),
-            (Key::Y, Action::Replay),
-            (Key::P, Action::Picture),
-            (Key::H, Action::Help),
-            (Key::F1, Action::Help),
-            (Key::M, Action::Panel),
-        ]
-        .into_iter()
-        .find_map(|(key, action)| pressed(key).then_some(action))
-    }
-
-    /// What keys held down ask of the camera.
-    fn drive(ui: &egui::Ui) -> Drive {
-        if ui.text_edit_focused() {
-            return Drive::default();
-        }
-        ui.input(|i| {
-            let axis = |plus: Key, minus: Key| f64::from(i8::from(i.key_down(plus)) - i8::from(i.key_down(minus)));
-            let held = !i.modifiers.command && !i.modifiers.alt;
-            let along = [axis(Key::W, Key::S), axis(Key::D, Key::A), axis(Key::E, Key::Q)];
-            Drive { along: if held { along } else { [0.0; 3] }, fast: i.modifiers.shift }
-        })
     }
 
     fn act(&mut self, ui: &egui::Ui, action: Action, view: &View) -> Result<(), Error> {
@@ -254,7 +192,7 @@ impl Viewer {
         let moved = drag != [0.0; 2];
         let (wheel, pinch) = ui.input(|i| (f64::from(i.smooth_scroll_delta().y), f64::from(i.zoom_delta())));
         let nearer = if response.hovered() { (-wheel / WHEEL_POINTS).exp() / pinch } else { 1.0 };
-        let drive = Self::drive(ui);
+        let drive = keys::drive(ui);
         let steered = moved || nearer != 1.0 || drive.along != [0.0; 3];
         if let Some(player) = self.player.as_mut().filter(|_| !steered) {
             let (seen, last) = player.step(dt_s);
@@ -314,7 +252,7 @@ impl Viewer {
             ui.request_repaint();
         }
         let goes_on = self.rig.is_moving() || self.player.is_some() || self.recorder.is_some() || self.settings.rebuild;
-        self.live = goes_on || !self.stage.is_settled() || Self::drive(ui).along != [0.0; 3];
+        self.live = goes_on || !self.stage.is_settled() || keys::drive(ui).along != [0.0; 3];
         if self.live {
             ui.request_repaint();
         }
@@ -363,30 +301,6 @@ impl Viewer {
         }
     }
 
-    /// Asks for the picture of the window that the program was started for, and closes the window once it is saved.
-    fn take_screenshot(&mut self, ui: &egui::Ui) {
-        let ready = self.frames >= SCREENSHOT_FRAMES[0] && !self.live || self.frames >= SCREENSHOT_FRAMES[1];
-        let Some(shot) = &mut self.screenshot else { return };
-        ui.request_repaint();
-        if !shot.asked && ready {
-            shot.asked = true;
-            let (file, done) = (shot.file.clone(), Arc::clone(&shot.done));
-            let save = egui::ScreenshotCallback::new(move |image| {
-                let saved = save_window(&image, &file);
-                if let Ok(mut done) = done.lock() {
-                    *done = Some(saved);
-                }
-            });
-            ui.send_viewport_cmd(egui::ViewportCommand::Screenshot(save));
-        }
-        let saved = shot.done.lock().ok().and_then(|mut done| done.take());
-        match saved {
-            Some(Ok(())) => ui.send_viewport_cmd(egui::ViewportCommand::Close),
-            Some(Err(line)) => self.fail(ui, line),
-            None => {}
-        }
-    }
-
     /// Closes the window with a reason.
     fn fail(&self, ui: &egui::Ui, line: String) {
         if let Ok(mut failure) = self.failure.lock() {
@@ -398,10 +312,9 @@ impl Viewer {
 
 impl eframe::App for Viewer {
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
-        self.frames = self.frames.saturating_add(1);
         let dt_s = ui.input(|i| f64::from(i.stable_dt)).min(LONGEST_FRAME_S);
         let before = self.settings.clone();
-        let mut action = self.keys(ui);
+        let mut action = keys::pressed(ui, &mut self.settings, self.stage.has_image());
         if self.panel {
             let shown = Shown {
                 stage: &self.stage,
@@ -427,20 +340,11 @@ impl eframe::App for Viewer {
             Err(error @ (Error::File { .. } | Error::Picture { .. })) => self.tell(ui, error.to_string()),
             Err(error) => self.fail(ui, error.to_string()),
         }
-        self.take_screenshot(ui);
+        let settled = !self.live;
+        match self.screenshot.as_mut().and_then(|shot| shot.step(ui, settled)) {
+            Some(Ok(())) => ui.send_viewport_cmd(egui::ViewportCommand::Close),
+            Some(Err(line)) => self.fail(ui, line),
+            None => {}
+        }
     }
-}
-
-/// The first of `name-001.ending`, `name-002.ending`, … in the current folder that is no file yet.
-fn free_name(name: &str, ending: &str) -> PathBuf {
-    let numbered = |number: u32| PathBuf::from(format!("{name}-{number:03}.{ending}"));
-    (1..u32::MAX).map(numbered).find(|file| !file.exists()).unwrap_or_else(|| numbered(0))
-}
-
-/// Saves a picture of the window.
-fn save_window(image: &egui::ColorImage, file: &Path) -> Result<(), String> {
-    let [width, height] = image.size.map(|side| side as u32);
-    let pixels = image.pixels.iter().flat_map(|p| [p.r(), p.g(), p.b(), 255]).collect();
-    let picture = RgbaImage::from_raw(width, height, pixels).unwrap_or_default();
-    picture.save(file).map_err(|error| format!("{}: {error}", file.display()))
 }

@@ -3,15 +3,17 @@
 //! [`run`] opens it and comes back when it is closed. The parts: [`app`] is one frame after another, [`camera`] moves the
 //! eye, [`ground`] tells where the land is, [`stage`] keeps the scene and draws it on a texture, [`settings`] is what the
 //! side [`panel`] turns, [`plots`] draws the running numbers, [`overlay`] what lies over the picture, [`recorder`] takes
-//! and replays camera paths.
+//! and replays camera paths, [`keys`] reads the keyboard, [`screenshot`] writes pictures.
 
 mod app;
 mod camera;
 mod ground;
+mod keys;
 mod overlay;
 mod panel;
 mod plots;
 mod recorder;
+mod screenshot;
 mod settings;
 mod stage;
 

@@ -72,6 +72,9 @@ impl PageCodec {
         let steps = Steps::new(error_steps_per_octave).ok_or_else(|| {
             bad("error steps per octave", "a power of two up to 2048", error_steps_per_octave.to_string())
         })?;
+        if !quantum.is_sound() {
+            return Err(bad("quantum", "1 to 16777216 a metre, or a step of 1e-9 to 1e6 m", format!("{quantum:?}")));
+        }
         if !(0.0..1e6).contains(&level0_slack_m) {
             return Err(bad("slack of level-0 errors", "0 to 1e6 m", format!("{level0_slack_m} m")));
         }
@@ -221,9 +224,6 @@ impl PageCodec {
             _ => return Err("the coarser page is missing"),
         };
         let heights_m = heights_m.ok_or("the heights are damaged")?;
-        if self.quantum == Quantum::Bits && !heights_m.iter().all(|z| z.is_finite()) {
-            return Err("a height is not a number");
-        }
         let squares = (columns - 1) * (rows - 1);
         let shown = match head >> 3 & 3 {
             SHOWN_ALL if self.has_holes => vec![3; squares],
@@ -281,11 +281,13 @@ fn encode_base(indices: &[i32]) -> Vec<u8> {
 
 fn decode_base(count: usize, mut bytes: &[u8], quantum: Quantum) -> Option<Vec<f32>> {
     let mut last = 0i64;
-    let mut heights_m = Vec::with_capacity(count);
+    let mut indices = Vec::with_capacity(count);
     for _ in 0..count {
         last = last.checked_add(unzigzag(take_varint(&mut bytes)?))?;
-        heights_m.push(quantum.height_m(i32::try_from(last).ok()?));
+        indices.push(i32::try_from(last).ok()?);
     }
+    let mut heights_m = Vec::with_capacity(count);
+    quantum.extend_heights(&indices, &mut heights_m)?;
     bytes.is_empty().then_some(heights_m)
 }
 
@@ -372,7 +374,7 @@ fn decode_with<T: Height>(
             if width % 2 == 1 {
                 indices[width - 1] = even[width / 2].low32().wrapping_add(base);
             }
-            quantum.extend_heights(&indices[..width], &mut heights_m);
+            quantum.extend_heights(&indices[..width], &mut heights_m)?;
         }
         Some(heights_m)
     })

@@ -61,9 +61,10 @@ impl Quantum {
         }
     }
 
-    /// Appends the heights of integers.
+    /// Appends the heights of integers; `None` when one of them is no height's.
     #[inline]
-    pub(super) fn extend_heights(self, indices: &[i32], heights_m: &mut Vec<f32>) {
+    pub(super) fn extend_heights(self, indices: &[i32], heights_m: &mut Vec<f32>) -> Option<()> {
+        let greatest = indices.iter().fold(0, |greatest, i| i.unsigned_abs().max(greatest));
         match self {
             // a power of two divides exactly as its reciprocal multiplies
             Self::PerMetre(n) if n.is_power_of_two() => {
@@ -71,7 +72,31 @@ impl Quantum {
                 heights_m.extend(indices.iter().map(|&i| i as f32 * step_m));
             }
             Self::PerMetre(n) => heights_m.extend(indices.iter().map(|&i| i as f32 / n as f32)),
-            _ => heights_m.extend(indices.iter().map(|&i| self.height_m(i))),
+            Self::Step(step_m) => heights_m.extend(indices.iter().map(|&i| (f64::from(i) * step_m) as f32)),
+            Self::Bits => {
+                let before = heights_m.len();
+                heights_m.extend(indices.iter().map(|&i| self.height_m(i)));
+                return heights_m[before..].iter().all(|z| z.is_finite()).then_some(());
+            }
+        }
+        (greatest <= self.greatest_index()).then_some(())
+    }
+
+    /// Whether every integer's height is a number.
+    pub(super) fn is_sound(self) -> bool {
+        match self {
+            Self::PerMetre(n) => (1..=EXACT as u32).contains(&n),
+            Self::Step(step_m) => (1e-9..=1e6).contains(&step_m),
+            Self::Bits => true,
+        }
+    }
+
+    /// Largest magnitude of an integer that is a height's.
+    fn greatest_index(self) -> u32 {
+        match self {
+            Self::PerMetre(_) => EXACT as u32,
+            Self::Step(_) => (1 << 30) - 1,
+            Self::Bits => u32::MAX,
         }
     }
 
@@ -190,7 +215,7 @@ impl QuantumFinder {
             Quantum::PerMetre(n) => step_m <= 1.0 / f64::from(n),
             _ => false,
         };
-        if !step_m.is_finite() || step_m <= 16.0 * rounding_m || step_m <= 0.0 || finer {
+        if step_m <= 16.0 * rounding_m || !Quantum::Step(step_m).is_sound() || finer {
             return lossless;
         }
         Quantum::Step(step_m)
