@@ -1,7 +1,7 @@
 //! Builds the terrain quadtree of a height field: errors of all levels, from fine to coarse, on all cores.
 
 use super::data::GridData;
-use super::errors::{charge, charge_three, code, config_errors, config_errors_exact};
+use super::errors::{LANES, charge, charge_three, code, config_errors, config_errors_abreast, config_errors_exact};
 use super::holes::{Holes, fill};
 use super::nodes::NodeNumbers;
 use super::surface::TerrainSurface;
@@ -22,6 +22,9 @@ impl std::fmt::Debug for BuildOptions<'_> {
         f.debug_struct("BuildOptions").finish_non_exhaustive()
     }
 }
+
+/// Up to this level triangles are weighed side by side, above it row by row.
+const ABREAST_LEVELS: u32 = 4;
 
 /// Largest height an error code can still bound, metres either way.
 const MAX_HEIGHT_M: f32 = 500_000.0;
@@ -141,14 +144,37 @@ impl Builder {
         let [nx, ny] = self.lattice.squares(level).map(|n| n as usize);
         let mut charged = vec![[[ErrorCode(0); 3]; 2]; nx * ny];
         charged.par_chunks_mut(nx).enumerate().for_each(|(y, row)| {
-            for (x, square) in row.iter_mut().enumerate() {
+            let triangle = |x: usize, half: u32| Triangle { level, x: x as u32, y: y as u32, half };
+            let mut x = 0;
+            while x < nx {
+                let abreast = (2..=ABREAST_LEVELS).contains(&level)
+                    && self.holes.is_none()
+                    && x + LANES <= nx
+                    && !triangle(x + LANES - 1, 0).is_clamped(&self.lattice);
+                let count = if abreast { LANES } else { 1 };
                 for half in 0..2 {
-                    let triangle = Triangle { level, x: x as u32, y: y as u32, half };
-                    square[half as usize] = self.charge_triangle(triangle, below);
+                    let origin = self.origin(triangle(x, half));
+                    if abreast {
+                        let width = self.lattice.width() as usize;
+                        let errors = config_errors_abreast(&self.heights_m, width, origin, 1 << level, half);
+                        for (lane, errors) in errors.iter().enumerate() {
+                            let inherited = self.worst_grandchild(triangle(x + lane, half), below);
+                            let own = charge_three(errors).map(|e| inherited.max(code(e, self.rounding_m)));
+                            row[x + lane][half as usize] = own;
+                        }
+                    } else {
+                        row[x][half as usize] = self.charge_triangle(triangle(x, half), below);
+                    }
                 }
+                x += count;
             }
         });
         charged
+    }
+
+    /// Index of the first sample of a triangle's square.
+    fn origin(&self, t: Triangle) -> usize {
+        ((t.y as usize) << t.level) * self.lattice.width() as usize + ((t.x as usize) << t.level)
     }
 
     fn charge_triangle(&self, t: Triangle, below: &[ErrorCode]) -> [ErrorCode; 3] {
@@ -169,7 +195,7 @@ impl Builder {
             charge(&config_errors_exact(&self.heights_m, &self.lattice, t), exists)
         } else {
             let width = self.lattice.width() as usize;
-            let origin = ((t.y as usize) << t.level) * width + ((t.x as usize) << t.level);
+            let origin = self.origin(t);
             if t.level == 1 {
                 self.details(width, origin, t.half)
             } else {

@@ -62,7 +62,8 @@ pub(crate) fn charge_three(e: &ConfigErrors) -> [f32; 3] {
     best
 }
 
-const LANES: usize = 8;
+/// Triangles, or samples, that are weighed at once.
+pub(crate) const LANES: usize = 8;
 
 /// E(c) of a triangle that is not clamped: side `side` samples, its square's first sample at `origin`.
 #[inline(always)]
@@ -92,17 +93,8 @@ fn config_errors_body(heights_m: &[f32], width: usize, origin: usize, side: usiz
                 (i.times(inv), i.times(-1.0).plus(kf).times(inv), Lanes::splat(1.0 - kf * inv))
             };
             let r = z.plus(-zr).sub(lp.times(dp).add(lq.times(dq)));
-            let rh = r.sub(lp.min(lq).times(2.0 * wh));
-            let rq = r.sub(lq.min(lr).times(2.0 * wq));
-            let e = [
-                r,
-                rh,
-                r.sub(lp.min(lr).times(2.0 * wp)),
-                rh.sub(lp.sub(lq).min(lr).max(Lanes::ZERO).times(2.0 * wp)),
-                rq,
-                rh.sub(lq.sub(lp).min(lr).max(Lanes::ZERO).times(2.0 * wq)),
-                rq.sub(lr.sub(lq).min(lp).max(Lanes::ZERO).times(2.0 * wp)),
-            ];
+            let [wh, wp, wq] = [wh, wp, wq].map(Lanes::splat);
+            let e = residuals(r, [lp, lr, lq], [wh, wp, wq]);
             e.map(Lanes::abs)
         };
         let mut chunks = row.chunks_exact(LANES);
@@ -181,6 +173,11 @@ impl Lanes {
     }
 
     #[inline(always)]
+    fn mul(self, o: Self) -> Self {
+        self.zip(o, |a, b| a * b)
+    }
+
+    #[inline(always)]
     fn min(self, o: Self) -> Self {
         self.zip(o, min)
     }
@@ -206,6 +203,24 @@ impl Lanes {
     }
 }
 
+/// What is left of the residuals `r` to the corners' plane in each configuration, at points with the barycentric
+/// coordinates of P, R, Q, where the midpoints h, p, q stand this far above their edges.
+#[inline(always)]
+fn residuals(r: Lanes, [lp, lr, lq]: [Lanes; 3], details: [Lanes; 3]) -> [Lanes; 7] {
+    let [h2, p2, q2] = details.map(|w| w.add(w));
+    let rh = r.sub(lp.min(lq).mul(h2));
+    let rq = r.sub(lq.min(lr).mul(q2));
+    [
+        r,
+        rh,
+        r.sub(lp.min(lr).mul(p2)),
+        rh.sub(lp.sub(lq).min(lr).max(Lanes::ZERO).mul(p2)),
+        rq,
+        rh.sub(lq.sub(lp).min(lr).max(Lanes::ZERO).mul(q2)),
+        rq.sub(lr.sub(lq).min(lp).max(Lanes::ZERO).mul(p2)),
+    ]
+}
+
 /// Compares without the NaN rules of `f32::max`, so that it is one instruction.
 #[inline(always)]
 fn max(a: f32, b: f32) -> f32 {
@@ -215,6 +230,84 @@ fn max(a: f32, b: f32) -> f32 {
 #[inline(always)]
 fn min(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
+}
+
+/// E(c) of [`LANES`] unclamped triangles side by side: small ones have rows too short for [`config_errors_body`].
+#[inline(always)]
+fn config_errors_abreast_body(
+    heights_m: &[f32],
+    width: usize,
+    origin: usize,
+    side: usize,
+    half: u32,
+) -> [ConfigErrors; LANES] {
+    let z = |i: usize, k: usize| {
+        let first = origin + k * width + i;
+        let row = &heights_m[first..first + (LANES - 1) * side + 1];
+        let mut out = [0.0; LANES];
+        for lane in 0..LANES {
+            out[lane] = row[lane * side];
+        }
+        Lanes(out)
+    };
+    let (m, inv) = (side / 2, 1.0 / side as f32);
+    let [zr, zp, zq, zh, zmp, zmq] = if half == 0 {
+        [z(side, 0), z(0, 0), z(side, side), z(m, m), z(m, 0), z(side, m)]
+    } else {
+        [z(0, side), z(side, side), z(0, 0), z(m, m), z(m, side), z(0, m)]
+    };
+    let (dp, dq) = (zp.sub(zr), zq.sub(zr));
+    let details = [
+        zh.sub(zr).sub(dp.add(dq).times(0.5)),
+        zmp.sub(zr).sub(dp.times(0.5)),
+        zmq.sub(zr).sub(dq.times(0.5)),
+    ];
+    let mut worst = [Lanes::ZERO; 7];
+    for k in 0..=side {
+        let (first, last) = if half == 0 { (k, side) } else { (0, k) };
+        for i in first..=last {
+            let (fi, fk) = (i as f32, k as f32);
+            let (lp, lr, lq) = if half == 0 {
+                (1.0 - fi * inv, (fi - fk) * inv, fk * inv)
+            } else {
+                (fi * inv, (fk - fi) * inv, 1.0 - fk * inv)
+            };
+            let r = z(i, k).sub(zr).sub(dp.times(lp).add(dq.times(lq)));
+            let e = residuals(r, [lp, lr, lq].map(Lanes::splat), details);
+            for c in 0..7 {
+                worst[c] = worst[c].max(e[c].abs());
+            }
+        }
+    }
+    std::array::from_fn(|lane| worst.map(|of_config| of_config.0[lane]))
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn config_errors_abreast_avx2(
+    heights_m: &[f32],
+    width: usize,
+    origin: usize,
+    side: usize,
+    half: u32,
+) -> [ConfigErrors; LANES] {
+    config_errors_abreast_body(heights_m, width, origin, side, half)
+}
+
+/// E(c) of [`LANES`] unclamped triangles of one half, in squares side by side from `origin` on.
+pub(crate) fn config_errors_abreast(
+    heights_m: &[f32],
+    width: usize,
+    origin: usize,
+    side: usize,
+    half: u32,
+) -> [ConfigErrors; LANES] {
+    #[cfg(target_arch = "x86_64")]
+    if std::arch::is_x86_feature_detected!("avx2") {
+        // SAFETY: the processor has AVX2, as just asked.
+        return unsafe { config_errors_abreast_avx2(heights_m, width, origin, side, half) };
+    }
+    config_errors_abreast_body(heights_m, width, origin, side, half)
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -308,6 +401,19 @@ mod tests {
                         (fast[c] - exact[c]).abs() < 1e-3,
                         "level {level} half {half} config {c}: {fast:?} {exact:?}"
                     );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn triangles_abreast_have_the_errors_they_have_alone() {
+        let z = noise(129 * 129, 3);
+        for side in [4, 8, 16] {
+            for half in 0..2 {
+                let abreast = config_errors_abreast(&z, 129, 129 * side, side, half);
+                for (lane, errors) in abreast.iter().enumerate() {
+                    assert_eq!(*errors, config_errors(&z, 129, 129 * side + lane * side, side, half));
                 }
             }
         }
