@@ -23,7 +23,7 @@ pub struct StoreOptions {
 
 impl Default for StoreOptions {
     fn default() -> Self {
-        Self { max_error_m: 0.0, error_steps_per_octave: 8, source: String::new() }
+        Self { max_error_m: 0.0, error_steps_per_octave: TerrainMeta::USUAL_ERROR_STEPS, source: String::new() }
     }
 }
 

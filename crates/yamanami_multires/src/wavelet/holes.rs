@@ -85,26 +85,30 @@ impl Holes {
     }
 }
 
-/// Gives samples without data a smooth height: the mean of what data there is in ever larger squares.
+/// Gives samples without data the height of some sample near by: one of the data's own heights, so that a grid of whole
+/// metres stays one.
 pub(crate) fn fill(heights_m: &mut [f32], width: usize, height: usize) {
     if heights_m.iter().all(|z| !z.is_nan()) {
         return;
     }
     let (coarse_width, coarse_height) = (width.div_ceil(2), height.div_ceil(2));
-    let mut coarse: Vec<f32> = vec![0.0; coarse_width * coarse_height];
+    let mut coarse: Vec<f32> = vec![f32::NAN; coarse_width * coarse_height];
     coarse.par_chunks_mut(coarse_width).enumerate().for_each(|(y, row)| {
-        for (x, mean) in row.iter_mut().enumerate() {
-            let (mut sum, mut count) = (0.0, 0);
+        for (x, middle) in row.iter_mut().enumerate() {
+            let (mut near, mut count) = ([0f32; 4], 0);
             for j in 2 * y..(2 * y + 2).min(height) {
                 for i in 2 * x..(2 * x + 2).min(width) {
                     let z = heights_m[j * width + i];
                     if !z.is_nan() {
-                        sum += z;
+                        near[count] = z;
                         count += 1;
                     }
                 }
             }
-            *mean = if count > 0 { sum / count as f32 } else { f32::NAN };
+            near[..count].sort_unstable_by(f32::total_cmp);
+            if count > 0 {
+                *middle = near[count / 2];
+            }
         }
     });
     if coarse.len() > 1 {
