@@ -1,8 +1,8 @@
 //! How pictures look, and how they are written.
 
 use crate::failure::Failure;
-use crate::inputs;
-use crate::values;
+use crate::progress::note;
+use crate::{inputs, values};
 use clap::{Args, ValueEnum};
 use image::{DynamicImage, ImageFormat, RgbaImage};
 use std::io::Cursor;
@@ -114,6 +114,14 @@ fn drape(terrain: &Terrain, file: &Path) -> Result<Drape, Failure> {
     };
     let [east_m, north_m] = terrain.extent_m();
     let (origin, east, south) = (uv(0.0, 0.0), uv(east_m, 0.0), uv(0.0, -north_m));
+    let apart = |k: usize| {
+        let far = east[k] + south[k] - origin[k];
+        let reach = [origin[k], east[k], south[k], far];
+        reach.iter().all(|&v| v < 0.0) || reach.iter().all(|&v| v > 1.0)
+    };
+    if apart(0) || apart(1) {
+        note(&format!("note: {} lies nowhere over the terrain, by its world file", file.display()));
+    }
     let row = |k: usize| [(east[k] - origin[k]) / east_m, (south[k] - origin[k]) / -north_m, origin[k]];
     Ok(Drape::new(image, [row(0), row(1)]))
 }

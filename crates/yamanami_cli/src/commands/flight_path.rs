@@ -44,7 +44,9 @@ impl PathArgs {
                 }
             }
             other => {
-                return Err(Failure::misuse(format!("--path: expected orbit, valley or a .json file, given '{other}'")));
+                return Err(Failure::misuse(format!(
+                    "--path: expected orbit, valley or a .json file, given '{other}'"
+                )));
             }
         };
         Ok(match self.speed {
