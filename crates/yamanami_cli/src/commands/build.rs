@@ -25,13 +25,13 @@ pub(crate) struct BuildArgs {
     #[command(flatten)]
     source: SourceArgs,
     /// The database to write
-    #[arg(short, long, value_name = "S.yama")]
+    #[arg(short, long, value_name = "S.yama", help_heading = "Results")]
     output: PathBuf,
     /// Stored heights may be off by so many metres; 0 is lossless
-    #[arg(long, value_name = "M", default_value_t = 0.0, value_parser = values::not_negative)]
+    #[arg(long, value_name = "M", default_value_t = 0.0, value_parser = values::not_negative, help_heading = "Results")]
     max_error: f64,
     /// Print JSON
-    #[arg(long)]
+    #[arg(long, help_heading = "Results")]
     json: bool,
 }
 

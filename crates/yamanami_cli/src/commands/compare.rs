@@ -36,7 +36,7 @@ pub(crate) struct CompareArgs {
     #[command(flatten)]
     reading: ReadingArgs,
     /// Print JSON
-    #[arg(long)]
+    #[arg(long, help_heading = "Results")]
     json: bool,
 }
 

@@ -27,7 +27,7 @@ pub(crate) struct ExtractArgs {
     #[command(flatten)]
     source: SourceArgs,
     /// The mesh to write: .glb, .ply, .obj or .stl
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE", help_heading = "Results")]
     output: PathBuf,
     #[command(flatten)]
     fineness: FinenessArgs,
@@ -37,13 +37,13 @@ pub(crate) struct ExtractArgs {
     lens: LensArgs,
     /// Coordinates of the file: those of the source CRS, or metres east and north of the first sample. Default: source
     /// when that is projected or absent, else local
-    #[arg(long, value_enum)]
+    #[arg(long, value_enum, help_heading = "Results")]
     frame: Option<FrameName>,
     /// Measure the true error at every sample and look for cracks; a broken promise is a failure
-    #[arg(long)]
+    #[arg(long, help_heading = "Results")]
     check: bool,
     /// Print JSON
-    #[arg(long)]
+    #[arg(long, help_heading = "Results")]
     json: bool,
 }
 

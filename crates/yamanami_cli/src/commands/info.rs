@@ -38,7 +38,7 @@ pub(crate) struct InfoArgs {
     #[command(flatten)]
     reading: ReadingArgs,
     /// Print JSON
-    #[arg(long)]
+    #[arg(long, help_heading = "Results")]
     json: bool,
 }
 

@@ -29,7 +29,7 @@ pub(crate) struct RenderArgs {
     #[command(flatten)]
     source: SourceArgs,
     /// The picture to write: .png or .jpg
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE", help_heading = "Results")]
     output: PathBuf,
     #[command(flatten)]
     eye: EyeArgs,
@@ -42,7 +42,7 @@ pub(crate) struct RenderArgs {
     #[command(flatten)]
     draw: DrawArgs,
     /// Print JSON
-    #[arg(long)]
+    #[arg(long, help_heading = "Results")]
     json: bool,
 }
 
