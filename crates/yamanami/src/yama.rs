@@ -12,8 +12,9 @@ use yamanami_multires::wavelet::{GridData, NodeNumbers, PagedData, TerrainData, 
 /// How to store a terrain.
 #[derive(Debug, Clone)]
 pub struct StoreOptions {
-    /// Stored heights may be off by this much, metres; 0 is lossless.
-    pub max_error_m: f64,
+    /// How far the terrain's heights are from the source's, metres, and the quantum they were rounded to by
+    /// [`quantise`]; `None`: they are the source's, and kept exactly.
+    pub rounded: Option<(f64, Quantum)>,
     /// Stored error codes are rounded up to one of so many steps an octave (a power of two up to 2048, which is exact):
     /// more steps, fewer triangles at a tolerance, a larger file.
     pub error_steps_per_octave: u32,
@@ -23,20 +24,21 @@ pub struct StoreOptions {
 
 impl Default for StoreOptions {
     fn default() -> Self {
-        Self { max_error_m: 0.0, error_steps_per_octave: TerrainMeta::USUAL_ERROR_STEPS, source: String::new() }
+        Self { rounded: None, error_steps_per_octave: TerrainMeta::USUAL_ERROR_STEPS, source: String::new() }
     }
 }
 
 /// Pages coded between two writes.
 const PAGES_AT_ONCE: usize = 64;
 
-/// Rounds heights to what a database with this largest error will hold, so that errors are built on the stored heights.
+/// Rounds heights, at most this far (metres), to what a database can hold in fewer bytes. Build and store the result, with
+/// the quantum in [`StoreOptions::rounded`]: then errors are those of the stored heights.
 pub fn quantise(field: HeightField, max_error_m: f64) -> (HeightField, Quantum) {
     let (width, height, geo) = (field.width(), field.height(), field.geo().clone());
     let mut heights_m = field.into_heights_m();
     let mut finder = QuantumFinder::default();
     finder.add(&heights_m);
-    let quantum = if max_error_m > 0.0 { finder.within(max_error_m) } else { finder.lossless() };
+    let quantum = finder.within(max_error_m);
     quantum.quantise(&mut heights_m);
     (HeightField::new(width, height, heights_m, geo), quantum)
 }
@@ -48,9 +50,11 @@ impl Terrain {
         let Data::Grid(grid) = self.surface().data() else {
             return Err(Error::Request("this terrain is a database already: copy the file".to_owned()));
         };
-        let mut finder = QuantumFinder::default();
-        finder.add(grid.heights_m());
-        let quantum = if options.max_error_m > 0.0 { finder.within(options.max_error_m) } else { finder.lossless() };
+        let (max_error_m, quantum) = options.rounded.unwrap_or_else(|| {
+            let mut finder = QuantumFinder::default();
+            finder.add(grid.heights_m());
+            (0.0, finder.lossless())
+        });
         let [width, height] = self.size().map(|n| n as u32);
         let meta = TerrainMeta {
             geo: self.geo().clone(),
@@ -58,7 +62,7 @@ impl Terrain {
             height_range_m: self.range_m(),
             bound_radius_m: self.surface().bound_radius_m().to_vec(),
             has_holes: grid.has_holes(),
-            max_error_m: options.max_error_m,
+            max_error_m,
             quantum,
             error_steps_per_octave: options.error_steps_per_octave,
             level0_slack_m: grid.rounding_m(),

@@ -111,3 +111,16 @@ fn a_flight_over_a_database_is_the_flight_over_the_grid() {
         }
     }
 }
+
+#[test]
+fn a_lossy_database_is_within_its_error_of_the_source() {
+    let source = SyntheticTerrain::mountains(300, 211, 9).to_field();
+    let (rounded, quantum) = yamanami::quantise(source.clone(), 0.5);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("rough.yama");
+    let options = StoreOptions { rounded: Some((0.5, quantum)), ..StoreOptions::default() };
+    Terrain::build(rounded, String::new(), &|_| ()).unwrap().store_as(&path, &options, &|_| ()).unwrap();
+    let back = Terrain::open(&[path], &OpenOptions::default(), &|_| ()).unwrap().full_heights_m().unwrap();
+    let worst = source.heights_m().iter().zip(&*back).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+    assert!(worst <= 0.5 && worst > 0.1, "{worst}");
+}

@@ -15,10 +15,10 @@ use yamanami::{StoreOptions, Terrain};
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  yamanami build dem.tif -o dem.yama                   lossless
-  yamanami build N4?E001.hgt.zip -o pyrenees.yama      several files, one mosaic
+  yamanami build dem.tif -o dem.yama                 lossless
+  yamanami build N4?E001.hgt.zip -o pyrenees.yama    several files, one mosaic
   yamanami build lidar.tif -o lidar.yama --max-error 0.05
-                                                       heights kept within 5 cm, for a much smaller file
+                                                     heights within 5 cm: a much smaller file
 
 The database appears whole or not at all; an old one stays until then.")]
 pub(crate) struct BuildArgs {
@@ -48,7 +48,12 @@ pub(crate) fn run(args: &BuildArgs) -> Result<(), Failure> {
     };
     let read_s = started.elapsed().as_secs_f64();
     let no_data = field.no_data_count();
-    let field = if args.max_error > 0.0 { yamanami::quantise(field, args.max_error).0 } else { field };
+    let (field, rounded) = if args.max_error > 0.0 {
+        let (field, quantum) = yamanami::quantise(field, args.max_error);
+        (field, Some((args.max_error, quantum)))
+    } else {
+        (field, None)
+    };
     let name = |p: &PathBuf| p.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
     let title = sources.first().map_or_else(String::new, name);
     let terrain = {
@@ -56,7 +61,7 @@ pub(crate) fn run(args: &BuildArgs) -> Result<(), Failure> {
         Terrain::build(field, title, &|share| bar.set_share(share))?
     };
     let options = StoreOptions {
-        max_error_m: args.max_error,
+        rounded,
         source: sources.iter().map(name).collect::<Vec<_>>().join(", "),
         ..StoreOptions::default()
     };

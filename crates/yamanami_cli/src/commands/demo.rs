@@ -30,8 +30,9 @@ const SPEED_M: f64 = 45.0;
 /// All of it on bundled real terrain: database, pictures, flight
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Reads a bundled DEM of the San Gabriel Mountains (SRTM, 1197 x 643 samples of 30 m), builds its surface database, draws it, flies
-over it with at most 20,000 triangles, and leaves all results in the folder.")]
+Reads a bundled DEM of the San Gabriel Mountains (SRTM, 1197 x 643 samples of 30 m), builds its
+surface database, draws it, flies over it with at most 20,000 triangles, and leaves all results in
+the folder.")]
 pub(crate) struct DemoArgs {
     /// Folder for the results
     #[arg(short, long, value_name = "DIR", default_value = "demo-out")]

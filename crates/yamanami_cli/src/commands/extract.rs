@@ -16,13 +16,14 @@ use yamanami::{Extracted, Frame, LimitedBy, Terrain, to_frame};
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  yamanami extract dem.tif --tolerance 10 -o dem.glb         within 10 m of every sample
-  yamanami extract dem.tif --tolerance 10 --check -o dem.ply and measure that it is so
-  yamanami extract dem.yama --budget 50000 -o dem.obj        the least error of 50,000 triangles
-  yamanami extract dem.yama --tolerance-px 1 --eye 138.6,35.2,6000 --target 138.73,35.36,3000 -o view.stl
-                                                             as fine as this view asks, coarse outside it
+  yamanami extract dem.tif --tolerance 10 -o dem.glb          within 10 m of every sample
+  yamanami extract dem.tif --tolerance 10 --check -o dem.ply  and measure that it is so
+  yamanami extract dem.yama --budget 50000 -o dem.obj         the least error of 50,000 triangles
+  yamanami extract dem.yama --eye 138.6,35.2,6000 --target 138.73,35.36,3000 -o view.stl
+                                                as fine as this view asks, coarse outside it
 
-Without --eye, --tolerance-px is for a view of the whole. Several limits hold together; the output says which one bound.")]
+Without --eye, --tolerance-px is for a view of the whole. Several limits hold together; the output
+says which one bound.")]
 pub(crate) struct ExtractArgs {
     #[command(flatten)]
     source: SourceArgs,

@@ -20,15 +20,19 @@ use yamanami::{
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  yamanami fly dem.tif --budget 5000                         along the valleys with at most 5,000 triangles
-  yamanami fly dem.tif --budget 5000 --lod paper -o flight   the paper's feedback, with plots and pictures
+  yamanami fly dem.tif --budget 5000             along the valleys, at most 5,000 triangles
+  yamanami fly dem.tif --budget 5000 --lod paper -o flight
+                                                 the paper's feedback, with plots and pictures
   yamanami fly dem.yama --tolerance-px 1 --path orbit --frames 600 --speed 15
-  yamanami fly dem.yama --rate 60                            as many triangles as this machine draws 60 times a second
-  yamanami fly dem.tif --budget 100000 --compare --no-draw   differences against rebuilding
-  yamanami fly dem.yama --path my.json --json > flight.json  a recorded path, numbers for a program
+  yamanami fly dem.yama --rate 60                what this machine draws 60 times a second
+  yamanami fly dem.tif --budget 100000 --compare --no-draw
+                                                 differences against rebuilding
+  yamanami fly dem.yama --path my.json --json    a recorded path, numbers for a program
 
-A path file holds {\"fov_deg\": 57, \"frames\": [{\"eye\": [x, y, z], \"target\": [x, y, z]}, ...]}, x and y in the source's CRS, z in
-metres. Without --tolerance, --tolerance-px or --budget errors up to 1 pixel are good enough.")]
+A path file holds {\"fov_deg\": 57, \"frames\": [{\"eye\": [x, y, z], \"target\": [x, y, z]}, ...]},
+x and y in the source's CRS, z in metres.
+
+Without --tolerance, --tolerance-px or --budget errors up to 1 pixel are good enough.")]
 pub(crate) struct FlyArgs {
     #[command(flatten)]
     source: SourceArgs,

@@ -23,8 +23,8 @@ use clap::{Parser, Subcommand};
 #[derive(Debug, Parser)]
 #[command(
     name = "yamanami",
+    bin_name = "yamanami",
     version,
-    about,
     max_term_width = 110,
     after_help = "\
 Start with:
@@ -36,8 +36,9 @@ Start with:
   yamanami fly dem.yama --budget 100000 -o flight
                                              a flight with never more than 100,000 triangles
 
-Elevation files: GeoTIFF and COG, SRTM .hgt, DTED, ESRI ASCII, GSI FG-GML, elevation tiles. Where one SOURCE is named, several
-make one mosaic, and a .yama stands as well. Results go to stdout, progress to stderr. Exit code: 0 success, 1 failure, 2 misuse."
+Elevation files: GeoTIFF and COG, SRTM .hgt, DTED, ESRI ASCII, GSI FG-GML, elevation tiles. Several
+make one mosaic, and a .yama stands wherever they do. Results go to stdout, progress to stderr.
+Exit code: 0 success, 1 failure, 2 misuse."
 )]
 pub(crate) struct Program {
     #[command(subcommand)]

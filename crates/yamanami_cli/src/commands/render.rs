@@ -22,7 +22,7 @@ Examples:
   yamanami render dem.tif -o dem.png                         the whole of it
   yamanami render dem.tif -o dem.png --budget 5000 --wireframe --colour level
                                                              what 5,000 triangles make of it, and where
-  yamanami render dem.yama -o fuji.png --eye 138.6,35.2,6000 --target 138.73,35.36,3000 --size 1920x1080
+  yamanami render dem.yama -o fuji.png --eye 138.6,35.2,6000 --target 138.73,35.36,3000
                                                              from a place in the source's CRS
   yamanami render dem.tif -o map.png --image aerial.jpg      with an image laid over it")]
 pub(crate) struct RenderArgs {

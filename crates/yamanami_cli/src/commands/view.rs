@@ -26,13 +26,13 @@ pub(crate) struct ViewArgs {
     #[command(flatten)]
     pub(crate) lens: LensArgs,
     /// A recorded camera path to replay
-    #[arg(long, value_name = "FILE.json")]
+    #[arg(long, value_name = "FILE.json", help_heading = "Path")]
     pub(crate) path: Option<PathBuf>,
     /// An image to lay over the surface
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = "Drawing")]
     pub(crate) image: Option<PathBuf>,
     /// Save a picture of the window when the first frames have settled, and close it
-    #[arg(long, value_name = "P.png")]
+    #[arg(long, value_name = "P.png", help_heading = "Results")]
     pub(crate) screenshot: Option<PathBuf>,
 }
 
