@@ -74,6 +74,7 @@ pub fn write_flight_plots(
             y_label: y_label.to_owned(),
             series,
             y_log,
+            y_from_zero: !y_log,
             reference,
             ..Chart::default()
         };
@@ -96,6 +97,12 @@ pub fn write_flight_plots(
             None,
         )?,
         chart("upload", "written (bytes)", true, vec![of("upload", |f| f.upload_bytes as f64)], None)?,
-        chart("error", "largest error left (px)", false, vec![of("error", |f| f64::from(f.error_px))], None)?,
+        chart(
+            "error",
+            "largest error left (px; staircase: m)",
+            false,
+            vec![of("error", |f| f64::from(f.error_px))],
+            None,
+        )?,
     ])
 }

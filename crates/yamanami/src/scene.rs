@@ -93,18 +93,28 @@ impl Scene {
         &self.canvas
     }
 
-    /// Moves the front to the criteria and the mesh with it, by differences. Absent pages are read once, and the front
-    /// goes on with them in the same update.
+    /// Moves the front to the criteria and the mesh with it, by differences. Absent pages are read, up to a number a frame,
+    /// and the front goes on with them in the same update.
     pub fn update(&mut self, terrain: &mut Terrain, criteria: &Criteria) -> Result<Update, Error> {
         let started = Instant::now();
         let mut report = self.step(terrain, criteria);
-        let pages = terrain.load(&report.wanted, PAGES_PER_FRAME)?;
+        let mut pages = 0;
+        // a page's nodes open the way to finer pages
+        while pages < PAGES_PER_FRAME {
+            let read = terrain.load(&report.wanted, PAGES_PER_FRAME - pages)?;
+            if read == 0 {
+                break;
+            }
+            pages += read;
+            let next = self.step(terrain, criteria);
+            report = FrameReport {
+                refined: report.refined + next.refined,
+                coarsened: report.coarsened + next.coarsened,
+                weighed: report.weighed + next.weighed,
+                ..next
+            };
+        }
         if pages > 0 {
-            let first = report;
-            report = self.step(terrain, criteria);
-            report.refined += first.refined;
-            report.coarsened += first.coarsened;
-            report.weighed += first.weighed;
             let front = match &self.control {
                 Control::Exact(c) => c.front(),
                 Control::Paper(c) => c.front(),

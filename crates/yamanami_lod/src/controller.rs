@@ -63,6 +63,9 @@ struct Weighed {
     seen: u32,
 }
 
+/// A threshold that moves further than this in a frame, in units of the clock, starts the clock over.
+const FAR_UNITS: f64 = 64.0;
+
 /// Movement below this a frame is no movement.
 const LEAST_RATES: Rates = Rates { eye_m: 1e-3, turn_rad: 1e-6, threshold: 1e-6 };
 
@@ -117,6 +120,7 @@ pub struct Controller {
     frames_since_start: u32,
     weighed: usize,
     wanted: Vec<NodeId>,
+    wanted_priority: f32,
     woken: Vec<NodeId>,
 }
 
@@ -139,6 +143,7 @@ impl Controller {
             frames_since_start: 0,
             weighed: 0,
             wanted: Vec::new(),
+            wanted_priority: 0.0,
             woken: Vec::new(),
         }
     }
@@ -157,6 +162,7 @@ impl Controller {
         mut on_step: impl FnMut(Step, &Front),
     ) -> FrameReport {
         self.wanted.clear();
+        self.wanted_priority = 0.0;
         let scale = criteria.scale();
         self.threshold_moved = 0.0;
         self.wake(hierarchy, criteria, &scale);
@@ -189,6 +195,10 @@ impl Controller {
         self.rates = self.average.at_least(LEAST_RATES);
         self.wheel.clear();
         self.nobody_sleeps = true;
+        self.open.clear();
+        self.leaves.clear();
+        self.seen.clear();
+        self.wanted.clear();
         let mut seen = hierarchy.roots();
         for &root in &seen {
             self.front.state_mut(root).hot = false;
@@ -271,6 +281,7 @@ impl Controller {
                     // stays hot: asked for again next frame
                     self.open.pop();
                     self.wanted.push(top.node);
+                    self.wanted_priority = self.wanted_priority.max(top.priority);
                     continue;
                 }
                 break;
@@ -317,6 +328,12 @@ impl Controller {
     fn move_threshold<H: Hierarchy>(&mut self, hierarchy: &H, scale: &Scale, to: f32) {
         let from = self.threshold;
         if self.nobody_sleeps {
+            self.threshold = to;
+            return;
+        }
+        if f64::from(to / from).ln().abs() > FAR_UNITS * self.rates.threshold {
+            // to wake nearly everybody step by step would cost more than to weigh them all
+            self.start_over(hierarchy, scale);
             self.threshold = to;
             return;
         }
@@ -390,6 +407,8 @@ impl Controller {
         if limited_by == LimitedBy::Tolerance || limited_by == LimitedBy::Residency {
             error_left = criteria.threshold();
         }
+        // what is absent is left out too; its error is not known, but not above this
+        let error_left = error_left.max(self.wanted_priority);
         FrameReport {
             triangles: self.front.triangle_count(),
             refined,

@@ -70,7 +70,8 @@ fn draw(chart: &Chart, root: &Area<'_>, px: i32) -> Result<(), Failure> {
     };
     let x_axis = Axis::exact(values(0), chart.x_log);
     let reference = chart.reference.as_ref().map(|r| r.y).filter(|&y| is_drawable(y, chart.y_log));
-    let y_axis = Axis::roomy(values(1).chain(reference), chart.y_log);
+    let zero = (chart.y_from_zero && !chart.y_log).then_some(0.0);
+    let y_axis = Axis::roomy(values(1).chain(reference).chain(zero), chart.y_log);
     let [left, right] = x_axis.ends();
 
     let mut context = ChartBuilder::on(&root.margin(top, 12 * px, 12 * px, 28 * px))

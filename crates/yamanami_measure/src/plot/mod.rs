@@ -69,6 +69,8 @@ pub struct Chart {
     pub x_log: bool,
     /// Logarithmic y axis.
     pub y_log: bool,
+    /// A linear y axis that holds zero whatever the values.
+    pub y_from_zero: bool,
     /// A horizontal line that values are held against.
     pub reference: Option<Reference>,
 }
@@ -83,6 +85,7 @@ impl Default for Chart {
             size_px: [1200, 720],
             x_log: false,
             y_log: false,
+            y_from_zero: false,
             reference: None,
         }
     }
