@@ -63,8 +63,11 @@ struct Weighed {
     seen: u32,
 }
 
+/// Units of the clock in a frame of usual movement: alarms ring up to one unit early.
+const UNITS_PER_FRAME: f64 = 8.0;
+
 /// A threshold that moves further than this in a frame, in units of the clock, starts the clock over.
-const FAR_UNITS: f64 = 64.0;
+const FAR_UNITS: f64 = 64.0 * UNITS_PER_FRAME;
 
 /// Movement below this a frame is no movement.
 const LEAST_RATES: Rates = Rates { eye_m: 1e-3, turn_rad: 1e-6, threshold: 1e-6 };
@@ -77,6 +80,10 @@ impl Rates {
         mix(&mut self.eye_m, now.eye_m);
         mix(&mut self.turn_rad, now.turn_rad);
         mix(&mut self.threshold, now.threshold.min(1.0));
+    }
+
+    fn times(self, factor: f64) -> Self {
+        Self { eye_m: self.eye_m * factor, turn_rad: self.turn_rad * factor, threshold: self.threshold * factor }
     }
 
     fn at_least(self, least: Self) -> Self {
@@ -183,7 +190,7 @@ impl Controller {
         self.frames_since_start += 1;
         let units = (eye_m / self.rates.eye_m).max(turn_rad / self.rates.turn_rad);
         let due = self.frames_since_start.is_power_of_two() || self.frames_since_start.is_multiple_of(64);
-        if due && self.rates.unlike(self.average) {
+        if due && self.rates.times(UNITS_PER_FRAME).unlike(self.average) {
             self.start_over(hierarchy, scale);
         } else {
             self.advance(hierarchy, scale, units);
@@ -192,7 +199,7 @@ impl Controller {
 
     /// Weighs every border node and sets the clock's rates by the movement seen of late.
     fn start_over<H: Hierarchy>(&mut self, hierarchy: &H, scale: &Scale) {
-        self.rates = self.average.at_least(LEAST_RATES);
+        self.rates = self.average.at_least(LEAST_RATES).times(1.0 / UNITS_PER_FRAME);
         self.wheel.clear();
         self.nobody_sleeps = true;
         self.open.clear();

@@ -5,7 +5,7 @@
 
 use yamanami_core::NodeId;
 
-const SLOTS: u32 = 2048;
+const SLOTS: u32 = 4096;
 
 #[derive(Debug, Clone)]
 pub(crate) struct Wheel {
