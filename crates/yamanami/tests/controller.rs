@@ -2,8 +2,9 @@
 
 use glam::DVec3;
 use yamanami_core::{GeoReference, HeightField, Hierarchy, View};
-use yamanami_lod::{Controller, Criteria, Front, ViewCriterion, extract};
+use yamanami_lod::{Controller, Criteria, Front, PaperController, Staircase, Step, ViewCriterion, extract};
 use yamanami_multires::wavelet::{BuildOptions, GridData, TerrainSurface, build};
+use yamanami_testkit::laws::delta_law;
 
 fn rough(width: usize, height: usize, step_m: f64) -> TerrainSurface<GridData> {
     let z = (0..width * height)
@@ -83,4 +84,56 @@ fn changing_knobs_follow_the_oracle() {
         budget_triangles: (i % 15 < 9).then_some(200 + 400 * (i as u32 % 7)),
         ..Criteria::default()
     });
+}
+
+fn kit_step(step: Step) -> yamanami_testkit::Step {
+    match step {
+        Step::Refine(n) => yamanami_testkit::Step::Refine(n),
+        Step::Coarsen(n) => yamanami_testkit::Step::Coarsen(n),
+    }
+}
+
+#[test]
+fn every_delta_can_be_stopped_anywhere_and_walked_back() {
+    let surface = rough(150, 129, 25.0);
+    let criteria = |i: usize| Criteria {
+        view: Some(ViewCriterion { view: view(i * 4), tolerance_px: 1.0, cull: true }),
+        budget_triangles: Some(1500),
+        ..Criteria::default()
+    };
+    let mut exact = Controller::new(&surface);
+    let mut paper = PaperController::new(&surface, Staircase::new(2.0, 0.0, 4000.0, 5));
+    for i in 0..12 {
+        for by_paper in [false, true] {
+            let from = if by_paper { paper.front().nodes() } else { exact.front().nodes() };
+            let mut steps = Vec::new();
+            let to = if by_paper {
+                paper.update(&surface, &criteria(i), |step, _| steps.push(kit_step(step)));
+                paper.front().nodes()
+            } else {
+                exact.update(&surface, &criteria(i), |step, _| steps.push(kit_step(step)));
+                exact.front().nodes()
+            };
+            delta_law(&surface, &from, &to, &steps);
+        }
+    }
+}
+
+#[test]
+fn a_step_limit_stops_at_a_legal_front_and_gets_there_in_the_end() {
+    let surface = rough(200, 160, 25.0);
+    let wanted = Criteria {
+        view: Some(ViewCriterion { view: view(0), tolerance_px: 1.0, cull: false }),
+        budget_triangles: Some(3000),
+        ..Criteria::default()
+    };
+    let limited = Criteria { max_steps: Some(50), ..wanted };
+    let mut controller = Controller::new(&surface);
+    let mut frames = 0;
+    while controller.update(&surface, &limited, |_, _| ()).refined > 0 {
+        frames += 1;
+        assert!(controller.front().triangle_count() <= 3000 && frames < 200);
+    }
+    assert!(frames > 10);
+    assert_eq!(controller.front().nodes(), extract(&surface, &wanted).nodes());
 }
