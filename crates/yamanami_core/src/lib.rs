@@ -6,6 +6,7 @@
 //! changes. This crate knows no file, no thread, no clock and no GPU.
 #![forbid(unsafe_code)]
 
+mod cluster_page;
 mod geo;
 mod height_field;
 mod hierarchy;
@@ -16,11 +17,12 @@ mod source;
 mod terrain_page;
 mod view;
 
+pub use cluster_page::{BASE_CLUSTERS, ClusterNode, ClusterPage, ClusterVertex, GroupId};
 pub use geo::{Crs, GeoReference, PixelConvention};
 pub use height_field::HeightField;
 pub use hierarchy::{ActiveSet, Hierarchy, NodeId, NodeList, Sphere, Surface};
 pub use lattice::{Lattice, LatticeNode};
-pub use mesh::{Aabb, TriangleMesh};
+pub use mesh::{Aabb, Material, Texture, TriangleMesh};
 pub use sink::{MeshMirror, Sink, SurfaceVertex, TriangleKey, VertexId};
 pub use source::{HeightSource, Window};
 pub use terrain_page::{ErrorCode, PAGE_CELLS, PageId, TerrainPage};

@@ -26,6 +26,8 @@ pub struct SurfaceVertex {
     pub bound_radius_m: f32,
     /// Depth of the node, 0 for base vertices.
     pub level: u32,
+    /// Colour (sRGB); white where the source has none.
+    pub colour: [u8; 3],
 }
 
 /// Receives the vertices and triangles of a front as they come and go.
@@ -62,6 +64,7 @@ impl MeshMirror {
             positions: self.vertices.values().map(|v| v.position).collect(),
             triangles: self.triangles.values().map(|t| t.map(|id| index[&id])).collect(),
             normals: self.vertices.values().map(|v| v.normal).collect(),
+            ..TriangleMesh::default()
         }
     }
 }

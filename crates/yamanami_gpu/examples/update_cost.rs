@@ -15,6 +15,7 @@ fn vertex(id: u32) -> SurfaceVertex {
         error_m: 1.0,
         bound_radius_m: 10.0,
         level: 3,
+        colour: [255; 3],
     }
 }
 

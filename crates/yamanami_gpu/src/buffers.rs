@@ -110,6 +110,7 @@ impl ResidentBuffers {
                 error_m: f32::INFINITY,
                 bound_radius_m: 0.0,
                 level: 0,
+                colour: [255; 3],
             };
             buffers.add_vertex(id, vertex);
         }

@@ -13,7 +13,7 @@
 //! let mesh = TriangleMesh {
 //!     positions: vec![DVec3::ZERO, DVec3::X, DVec3::new(0.0, 1.0, 0.3)],
 //!     triangles: vec![[0, 1, 2]],
-//!     normals: Vec::new(), // worked out from the triangles
+//!     ..TriangleMesh::default() // normals are worked out from the triangles
 //! };
 //! let view =
 //!     View { eye: DVec3::new(1.0, -2.0, 2.0), target: DVec3::ZERO, fov_y_rad: 0.8, viewport_px: [320, 180] };

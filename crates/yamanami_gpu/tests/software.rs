@@ -54,7 +54,7 @@ fn triangles_through_the_eye_are_cut_without_a_gap() {
             DVec3::new(-1e4, 1e4, 0.0),
         ],
         triangles: vec![[0, 1, 2], [0, 2, 3]],
-        normals: Vec::new(),
+        ..TriangleMesh::default()
     };
     let buffers = ResidentBuffers::from_mesh(&mesh);
     let eye = DVec3::new(1.7, -3.1, 2.0);
@@ -66,7 +66,7 @@ fn triangles_through_the_eye_are_cut_without_a_gap() {
 fn covered_pixels_are_those_of_the_geometry() {
     // A square of 2 x 2 m seen squarely from 10 m away.
     let positions = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| DVec3::new(x, y, 0.0));
-    let mesh = TriangleMesh { positions: positions.into(), triangles: vec![[0, 1, 2], [0, 2, 3]], normals: Vec::new() };
+    let mesh = TriangleMesh { positions: positions.into(), triangles: vec![[0, 1, 2], [0, 2, 3]], ..TriangleMesh::default() };
     let buffers = ResidentBuffers::from_mesh(&mesh);
     let view =
         View { eye: DVec3::Z * 10.0, target: DVec3::ZERO, fov_y_rad: 2.0 * 0.25f64.atan(), viewport_px: [400, 200] };
@@ -95,7 +95,7 @@ fn hills_are_lit_from_the_north_west() {
         [(-1.0, -1.0, 0.0), (1.0, 1.0, 0.0), (-1.0, 1.0, -0.7), (1.0, -1.0, -0.7)].map(|(x, y, z)| DVec3::new(x, y, z));
     let (ridge_nw, ridge_se) = ([0, 1, 2], [0, 3, 1]);
     let mean = |triangle| {
-        let mesh = TriangleMesh { positions: positions.into(), triangles: vec![triangle], normals: Vec::new() };
+        let mesh = TriangleMesh { positions: positions.into(), triangles: vec![triangle], ..TriangleMesh::default() };
         let view = View { eye: DVec3::Z * 5.0, target: DVec3::ZERO, fov_y_rad: 0.5, viewport_px: [64, 64] };
         let options = RenderOptions { colour: ColourBy::Plain([128; 3]), ..on_red() };
         let picture = software::render_to_image(&ResidentBuffers::from_mesh(&mesh), &view, &options).unwrap();
@@ -117,6 +117,7 @@ fn morphing_at_weight_zero_draws_the_coarser_mesh() {
         error_m,
         bound_radius_m: 0.0,
         level: 0,
+        colour: [255; 3],
     };
     let flat: Vec<DVec3> = mesh.positions.iter().map(|p| DVec3::new(p.x, p.y, centre.z)).collect();
     let tent = |lift_m: f64| {
@@ -186,7 +187,7 @@ fn odd_input_is_an_error_or_a_picture_never_a_panic() {
     let broken = TriangleMesh {
         positions: vec![DVec3::NAN, DVec3::X, DVec3::Y],
         triangles: vec![[0, 1, 2], [0, 1, 77], [1, 1, 1]],
-        normals: Vec::new(),
+        ..TriangleMesh::default()
     };
     assert!(software::render_to_image(&ResidentBuffers::from_mesh(&broken), &view, &options).is_ok());
 }

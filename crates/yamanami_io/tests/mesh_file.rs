@@ -31,6 +31,7 @@ fn pyramid() -> TriangleMesh {
         positions: corners.map(|c| at + DVec3::from(c)).to_vec(),
         triangles: vec![[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]],
         normals: vec![[0.0, 0.0, 1.0], [0.6, 0.0, 0.8], [0.0, 1.0, 0.0], [-0.6, 0.8, 0.0], [0.0, 0.0, 1.0]],
+        ..TriangleMesh::default()
     }
 }
 
@@ -294,7 +295,7 @@ fn meshes() -> impl Strategy<Value = TriangleMesh> {
             TriangleMesh {
                 positions: positions.into_iter().map(DVec3::from).collect(),
                 triangles: triangles.into_iter().map(|t| t.map(|i| i % count)).collect(),
-                normals: Vec::new(),
+                ..TriangleMesh::default()
             }
         },
     )

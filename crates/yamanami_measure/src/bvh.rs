@@ -216,7 +216,7 @@ mod tests {
             let mesh = TriangleMesh {
                 positions: corners,
                 triangles: (0..count).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect(),
-                normals: Vec::new(),
+                ..TriangleMesh::default()
             };
             let slow = (0..count as usize)
                 .map(|t| p.distance(closest_of_triangle(p, mesh.corners(t))))

@@ -221,7 +221,7 @@ mod tests {
         TriangleMesh {
             positions: points.iter().map(|&p| p.into()).collect(),
             triangles: triangles.to_vec(),
-            normals: Vec::new(),
+            ..TriangleMesh::default()
         }
     }
 

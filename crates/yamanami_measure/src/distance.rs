@@ -160,7 +160,7 @@ mod tests {
         TriangleMesh {
             positions: [[0.0, 0.0], [side, 0.0], [side, side], [0.0, side]].map(|[x, y]| DVec3::new(x, y, z)).to_vec(),
             triangles: vec![[0, 1, 2], [0, 2, 3]],
-            normals: Vec::new(),
+            ..TriangleMesh::default()
         }
     }
 

@@ -504,7 +504,7 @@ mod tests {
             let mesh = TriangleMesh {
                 positions: corners.iter().map(|&(c, r, z)| DVec3::new(c * STEP_M[0], -r * STEP_M[1], z)).collect(),
                 triangles: (0..corners.len() as u32 / 3).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect(),
-                normals: Vec::new(),
+                ..TriangleMesh::default()
             };
             let (max_m, uncovered) = slow_max_m(&field, &mesh);
             let report = vertical_error(&field, &mesh);

@@ -171,7 +171,7 @@ mod tests {
         TriangleMesh {
             positions: vec![at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1.0), at(0.0, 1.0), at(0.5, 0.5)],
             triangles: vec![[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]],
-            normals: Vec::new(),
+            ..TriangleMesh::default()
         }
     }
 

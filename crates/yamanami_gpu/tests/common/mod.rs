@@ -44,6 +44,7 @@ pub fn vertex(id: VertexId, version: u32) -> SurfaceVertex {
         error_m: if id < 3 { f32::INFINITY } else { version as f32 },
         bound_radius_m: version as f32 * 2.0,
         level: id % 13,
+        colour: [255; 3],
     }
 }
 

@@ -165,6 +165,7 @@ impl<D: TerrainData> TerrainSurface<D> {
             error_m: self.data.error(node).to_m(),
             bound_radius_m: self.bound_radius_m[node.level as usize] as f32,
             level: self.lattice().levels() - node.level,
+            colour: [255; 3],
         }
     }
 
@@ -176,6 +177,7 @@ impl<D: TerrainData> TerrainSurface<D> {
             error_m: f32::INFINITY,
             bound_radius_m: f32::INFINITY,
             level: 0,
+            colour: [255; 3],
         }
     }
 

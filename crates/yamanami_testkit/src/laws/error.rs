@@ -154,7 +154,7 @@ mod tests {
         TriangleMesh {
             positions: vec![at(0, 0), at(4, 0), at(0, 4), at(4, 4)],
             triangles: vec![[0, 2, 3], [0, 3, 1]],
-            normals: Vec::new(),
+            ..TriangleMesh::default()
         }
     }
 

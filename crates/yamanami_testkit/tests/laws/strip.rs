@@ -124,6 +124,7 @@ impl Strip {
             error_m: node.map_or(f32::INFINITY, |n| self.error_m[n as usize]),
             bound_radius_m: node.map_or(0.0, |n| self.bound[n as usize].radius_m as f32),
             level: node.map_or(0, |n| level_and_index(n).0),
+            colour: [255; 3],
         }
     }
 
