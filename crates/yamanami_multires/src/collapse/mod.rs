@@ -4,6 +4,12 @@
 //! Memory Efficient Polygonal Simplification", 1998 (no quadric is remembered: each is worked out anew from the surface at
 //! hand, and the volume is kept); Hoppe, "New Quadric Metric for Simplifying Meshes with Appearance Attributes", 1999.
 
+mod garland;
+mod quadric;
+mod stars;
+mod work;
+
+use work::Work;
 use yamanami_core::TriangleMesh;
 
 /// Which collapse.
@@ -96,4 +102,26 @@ pub struct Collapsed {
     pub stopped_by: StoppedBy,
     /// The largest distance that any step moved the surface by its own estimate, metres. Not a bound: measure the result.
     pub estimate_m: f64,
+}
+
+/// Collapses edges of a mesh until something in `options` stops it. The result depends on mesh and options only, never on
+/// the number of threads. Indices must be in range and positions finite, as every reader here guarantees.
+///
+/// # Panics
+/// When a triangle names a vertex that the mesh does not have, or `locked` is not one flag a vertex.
+pub fn collapse(mesh: &TriangleMesh, options: &CollapseOptions<'_>) -> Collapsed {
+    let mut work = Work::new(mesh, options.locked);
+    let max_error = options.max_error_m / work.metres_a_unit();
+    let (stopped_by, estimate) = garland::run(&mut work, options, max_error);
+    let (positions, triangles, sources) = work.finish();
+    let moved = |(place, &source): (&glam::DVec3, &u32)| {
+        if *place == mesh.positions[source as usize] { source } else { u32::MAX }
+    };
+    let source_vertex = positions.iter().zip(&sources).map(moved).collect();
+    Collapsed {
+        mesh: TriangleMesh::new(positions, triangles),
+        source_vertex,
+        stopped_by,
+        estimate_m: estimate * work.metres_a_unit(),
+    }
 }

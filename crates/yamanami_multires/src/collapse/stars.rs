@@ -1,0 +1,106 @@
+//! Which triangles touch a vertex: flat lists that grow at the end of one pool as stars merge.
+
+/// A corner of a triangle: the triangle's number and which of its three corners.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Corner(u32);
+
+impl Corner {
+    pub(super) fn new(triangle: usize, place: usize) -> Self {
+        Self((triangle << 2 | place) as u32)
+    }
+
+    #[inline]
+    pub(super) fn triangle(self) -> usize {
+        (self.0 >> 2) as usize
+    }
+
+    /// The triangle's corners in its turning order, this one first.
+    #[inline]
+    pub(super) fn turned(self, triangles: &[[u32; 3]]) -> [u32; 3] {
+        let [a, b, c] = triangles[self.triangle()];
+        match self.0 & 3 {
+            0 => [a, b, c],
+            1 => [b, c, a],
+            _ => [c, a, b],
+        }
+    }
+
+    /// Puts another vertex in this corner.
+    #[inline]
+    pub(super) fn set(self, triangles: &mut [[u32; 3]], vertex: u32) {
+        triangles[self.triangle()][(self.0 & 3) as usize] = vertex;
+    }
+}
+
+/// Most triangles that corners can name.
+pub(super) const MOST_TRIANGLES: usize = 1 << 30;
+
+/// The corners at each vertex.
+#[derive(Debug, Default)]
+pub(super) struct Stars {
+    start: Vec<u32>,
+    len: Vec<u32>,
+    pool: Vec<Corner>,
+}
+
+impl Stars {
+    /// The stars of all vertices below `vertices`, triangles in order.
+    pub(super) fn new(triangles: &[[u32; 3]], vertices: usize) -> Self {
+        let mut len = vec![0u32; vertices];
+        for &v in triangles.as_flattened() {
+            len[v as usize] += 1;
+        }
+        let mut start = Vec::with_capacity(vertices);
+        let mut sum = 0;
+        for &n in &len {
+            start.push(sum);
+            sum += n;
+        }
+        let mut pool = vec![Corner(0); sum as usize];
+        let mut next = start.clone();
+        for (t, corners) in triangles.iter().enumerate() {
+            for (k, &v) in corners.iter().enumerate() {
+                pool[next[v as usize] as usize] = Corner::new(t, k);
+                next[v as usize] += 1;
+            }
+        }
+        Self { start, len, pool }
+    }
+
+    /// The corners at a vertex.
+    #[inline]
+    pub(super) fn of(&self, vertex: u32) -> &[Corner] {
+        let start = self.start[vertex as usize] as usize;
+        &self.pool[start..start + self.len[vertex as usize] as usize]
+    }
+
+    /// Gives a vertex another star.
+    pub(super) fn set(&mut self, vertex: u32, corners: &[Corner]) {
+        let v = vertex as usize;
+        if corners.len() > self.len[v] as usize {
+            self.start[v] = self.pool.len() as u32;
+            self.pool.extend_from_slice(corners);
+        } else {
+            let start = self.start[v] as usize;
+            self.pool[start..start + corners.len()].copy_from_slice(corners);
+        }
+        self.len[v] = corners.len() as u32;
+    }
+
+    /// Takes one triangle out of a vertex's star.
+    pub(super) fn remove(&mut self, vertex: u32, triangle: usize) {
+        let v = vertex as usize;
+        let start = self.start[v] as usize;
+        let star = &mut self.pool[start..start + self.len[v] as usize];
+        if let Some(k) = star.iter().position(|c| c.triangle() == triangle) {
+            // the order of a star decides the order of sums: keep it
+            star.copy_within(k + 1.., k);
+            self.len[v] -= 1;
+        }
+    }
+
+    /// Entries that the lists take, with those left behind.
+    pub(super) fn pool_len(&self) -> usize {
+        self.pool.len()
+    }
+}
