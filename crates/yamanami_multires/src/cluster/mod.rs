@@ -5,11 +5,22 @@
 //! into Nanite", 2021. Where we differ: the groups are the nodes of a multi-triangulation, so that a front is any
 //! parent-closed set and the controller of the terrain moves it; errors are bounds on two-sided distance.
 
+mod attributes;
+mod build;
+mod distance;
+mod group;
+mod number;
+mod patch;
+mod sphere;
+mod split;
 mod surface;
 mod table;
+mod weld;
 
+pub use build::{BuildSummary, build};
 pub use surface::ClusterSurface;
 
+use crate::MultiresError;
 use yamanami_core::{ClusterNode, ClusterPage};
 
 /// How to build.
@@ -48,4 +59,17 @@ pub struct ClusterBuild {
     pub base: ClusterPage,
     /// A page a node, in order.
     pub pages: Vec<ClusterPage>,
+    /// How it went.
+    pub summary: BuildSummary,
+}
+
+impl ClusterBuild {
+    /// The surface with all pages in memory.
+    pub fn into_surface(self) -> Result<ClusterSurface, MultiresError> {
+        let mut surface = ClusterSurface::new(&self.nodes, &self.base_clusters, self.base)?;
+        for page in self.pages {
+            surface.insert(page)?;
+        }
+        Ok(surface)
+    }
 }

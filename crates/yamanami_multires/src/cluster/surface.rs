@@ -7,8 +7,8 @@ use super::table::{NOBODY, Table};
 use crate::MultiresError;
 use glam::DVec3;
 use yamanami_core::{
-    ActiveSet, BASE_CLUSTERS, ClusterNode, ClusterPage, ClusterVertex, Hierarchy, NodeId, NodeList, Sink, Sphere,
-    Surface, SurfaceVertex, TriangleMesh, VertexId,
+    ActiveSet, ClusterNode, ClusterPage, ClusterVertex, Hierarchy, NodeId, NodeList, Sink, Sphere, Surface,
+    SurfaceVertex, TriangleMesh, VertexId,
 };
 
 /// A triangle mesh as a multiresolution surface of clusters. Nodes are all in memory, pages as the owner wishes: a node
@@ -288,6 +288,7 @@ impl Surface for ClusterSurface {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use yamanami_core::BASE_CLUSTERS;
 
     /// A square of two triangles, and a node that puts four around its middle.
     fn square() -> (Vec<ClusterNode>, ClusterPage, ClusterPage) {
