@@ -113,11 +113,15 @@ pub fn collapse(mesh: &TriangleMesh, options: &CollapseOptions<'_>) -> Collapsed
     let mut work = Work::new(mesh, options.locked);
     let max_error = options.max_error_m / work.metres_a_unit();
     let (stopped_by, estimate) = garland::run(&mut work, options, max_error);
-    let (positions, triangles, sources) = work.finish();
-    let moved = |(place, &source): (&glam::DVec3, &u32)| {
-        if *place == mesh.positions[source as usize] { source } else { u32::MAX }
-    };
-    let source_vertex = positions.iter().zip(&sources).map(moved).collect();
+    let (mut positions, triangles, mut source_vertex) = work.finish();
+    for (place, source) in positions.iter_mut().zip(&mut source_vertex) {
+        // the way to the unit box and back may round
+        if work.is_unmoved(*source, mesh) {
+            *place = mesh.positions[*source as usize];
+        } else {
+            *source = u32::MAX;
+        }
+    }
     Collapsed {
         mesh: TriangleMesh::new(positions, triangles),
         source_vertex,

@@ -72,6 +72,11 @@ impl Work {
         self.positions[vertex as usize] * self.metres_a_unit + self.origin
     }
 
+    /// Whether a vertex is still where it was in the mesh.
+    pub(super) fn is_unmoved(&self, vertex: u32, mesh: &TriangleMesh) -> bool {
+        self.positions[vertex as usize] == (mesh.positions[vertex as usize] - self.origin) / self.metres_a_unit
+    }
+
     /// Triangles left.
     pub(super) fn faces(&self) -> usize {
         self.faces
