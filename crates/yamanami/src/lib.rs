@@ -3,9 +3,9 @@
 //! ```no_run
 //! use yamanami::{Terrain, Criteria, OpenOptions};
 //! # fn main() -> Result<(), yamanami::Error> {
-//! let terrain = Terrain::open(&["fuji.tif".into()], &OpenOptions::default(), &|_| ())?;
+//! let mut terrain = Terrain::open(&["fuji.tif".into()], &OpenOptions::default(), &|_| ())?;
 //! let criteria = Criteria { terrain_tolerance_m: 10.0, ..Criteria::default() };
-//! let extracted = yamanami::extract(&terrain, &criteria)?;
+//! let extracted = yamanami::extract(&mut terrain, &criteria)?;
 //! println!("{} triangles within 10 m of every sample", extracted.mesh.triangles.len());
 //! # Ok(()) }
 //! ```
@@ -20,12 +20,14 @@ mod extract;
 mod field;
 mod flight;
 mod flight_report;
+mod model;
 mod model_picture;
 mod model_view;
 mod path;
 mod reduce;
 mod reproduce;
 mod scene;
+mod subject;
 mod terrain;
 mod yama;
 
@@ -37,13 +39,15 @@ pub use error::Error;
 pub use extract::{Extracted, Frame, extract, to_frame};
 pub use flight::{FlightMode, FlightOptions, FrameStats, Lod, fly};
 pub use flight_report::{FlightSummary, summary, write_flight_plots};
-pub use model_picture::{MODEL_BACKGROUND, model_pixels, model_style};
+pub use model::{Model, ModelBuild, ModelStoreOptions, ModelStored};
+pub use model_picture::{MODEL_BACKGROUND, coloured_style, model_pixels, model_style};
 pub use model_view::{model_camera, model_views};
 pub use path::{CameraPath, orbit, read_path, valley_run, write_path};
 pub use reduce::{DisplayNeed, POLYGONS_PER_PIXEL, Reduced, ReducedBy, display_need, reduce};
 
 pub use reproduce::hashida;
 pub use scene::{Scene, Update};
+pub use subject::Subject;
 pub use terrain::{OpenOptions, Terrain};
 pub use yama::{StoreOptions, quantise};
 
