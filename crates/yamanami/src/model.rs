@@ -1,9 +1,10 @@
 //! A scanned model at every level of detail: from a mesh file, built in memory, or from a `.yama` database, read by pages.
 
-use crate::{Error, Subject};
+use crate::{Error, Subject, coloured_style};
 use rayon::prelude::*;
 use std::path::Path;
 use yamanami_core::{Aabb, BASE_CLUSTERS, ClusterPage, Hierarchy, NodeId, TriangleMesh};
+use yamanami_gpu::RenderOptions;
 use yamanami_io::store::{ClusterMeta, ClusterStore, ClusterWriter, put_in_order};
 use yamanami_io::{IoError, mesh_file};
 use yamanami_multires::cluster::{ClusterBuild, ClusterOptions, ClusterSurface, build};
@@ -223,6 +224,14 @@ impl Subject for Model {
 
     fn deepest_level(&self) -> u32 {
         self.facts.deepest_level
+    }
+
+    fn usual_style(&self) -> RenderOptions {
+        RenderOptions {
+            tint_range_m: Some([self.facts.bounds.min.z, self.facts.bounds.max.z]),
+            deepest_level: self.facts.deepest_level,
+            ..coloured_style(self.facts.has_colours)
+        }
     }
 
     fn is_paged(&self) -> bool {

@@ -3,6 +3,7 @@
 use crate::{Error, Terrain};
 use glam::DVec3;
 use yamanami_core::{Aabb, NodeId, Surface};
+use yamanami_gpu::RenderOptions;
 
 /// A surface with its data: all in memory, or read by pages from a database.
 pub trait Subject {
@@ -23,6 +24,9 @@ pub trait Subject {
 
     /// Level of the finest vertices.
     fn deepest_level(&self) -> u32;
+
+    /// How it is drawn unless other colours are asked for; they keep still from picture to picture.
+    fn usual_style(&self) -> RenderOptions;
 
     /// Whether pages are read from a database as they are wanted.
     fn is_paged(&self) -> bool;

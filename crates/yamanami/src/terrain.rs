@@ -5,6 +5,7 @@ use glam::DVec3;
 use std::path::PathBuf;
 use std::sync::Arc;
 use yamanami_core::{Aabb, GeoReference, HeightField, LatticeNode, NodeId, PageId};
+use yamanami_gpu::RenderOptions;
 use yamanami_io::dem;
 use yamanami_io::store::TerrainStore;
 use yamanami_multires::wavelet::{BuildOptions, PagedData, TerrainData, TerrainSurface, build};
@@ -216,6 +217,14 @@ impl Subject for Terrain {
 
     fn deepest_level(&self) -> u32 {
         self.surface.numbers().lattice().levels()
+    }
+
+    fn usual_style(&self) -> RenderOptions {
+        RenderOptions {
+            tint_range_m: Some(self.range_m.map(f64::from)),
+            deepest_level: self.deepest_level(),
+            ..RenderOptions::default()
+        }
     }
 
     fn is_paged(&self) -> bool {

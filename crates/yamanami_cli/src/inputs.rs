@@ -4,13 +4,32 @@ use crate::args::{ReadingArgs, SourceArgs};
 use crate::failure::Failure;
 use crate::progress::Bar;
 use std::path::{Path, PathBuf};
-use yamanami::Terrain;
 use yamanami::core::HeightField;
-use yamanami::io::{IoError, dem};
+use yamanami::io::{IoError, dem, mesh_file, store::ClusterStore};
+use yamanami::{Model, Terrain};
 
-/// Opens the terrain of a command.
-pub(crate) fn terrain(source: &SourceArgs) -> Result<Terrain, Failure> {
-    open(&source.sources, &source.reading)
+/// What a command works on.
+#[derive(Debug)]
+pub(crate) enum Opened {
+    Terrain(Box<Terrain>),
+    Model(Box<Model>),
+}
+
+/// Opens what a command works on: a terrain, or a model where its one source is a mesh file or a model's database.
+pub(crate) fn subject(source: &SourceArgs) -> Result<Opened, Failure> {
+    let [path] = source.sources.as_slice() else {
+        return Ok(Opened::Terrain(Box::new(open(&source.sources, &source.reading)?)));
+    };
+    if is_mesh(path) || (is_yama(path) && ClusterStore::is_model(path)?) {
+        let bar = Bar::shares("opening");
+        return Ok(Opened::Model(Box::new(Model::open(path, &|share| bar.set_share(share))?)));
+    }
+    Ok(Opened::Terrain(Box::new(open(&source.sources, &source.reading)?)))
+}
+
+/// Whether a file's name is that of a mesh.
+pub(crate) fn is_mesh(path: &Path) -> bool {
+    mesh_file::is_mesh_name(path)
 }
 
 /// Opens a database, or builds elevation files in memory.
