@@ -7,7 +7,6 @@
 
 mod attributes;
 mod build;
-mod distance;
 mod group;
 mod number;
 mod patch;

@@ -1,10 +1,10 @@
 //! One group simplified: its patch with about half the triangles and the same seams, cut into clusters again.
 
 use super::attributes::{Finer, Made};
-use super::distance::distance_bound_m;
 use super::group::Member;
 use super::split::{Item, edge_key, split};
 use super::weld::{Vertices, unit_normal};
+use crate::bound::{BoundOptions, distance_bound};
 use crate::collapse::{CollapseOptions, Collapsed, collapse};
 use glam::DVec3;
 use yamanami_core::{Sphere, TriangleMesh};
@@ -14,6 +14,9 @@ pub(super) const NEW: u32 = 1 << 31;
 
 /// A group with more triangles left than this share of what it had is not worth a node.
 const MOST_LEFT: f64 = 0.85;
+
+/// Distances are bounded about as well as their sum over the rounds is near the true one.
+const BOUND: BoundOptions = BoundOptions { relative_gap: 0.1, at_most_m: 0.0, most_steps: None };
 
 /// A cluster of the round at hand.
 #[derive(Debug, Clone)]
@@ -167,7 +170,7 @@ fn keep(
     }
     let is_new = |edge: &u64| finer_edges.binary_search_by_key(edge, |e| e.0).is_err();
     let new_edges = coarser_edges.iter().map(|e| e.0).filter(is_new).collect();
-    let distance_m = distance_bound_m(&patch.mesh, &mesh);
+    let distance_m = distance_bound(&patch.mesh, &mesh, &BOUND).upper_m();
 
     let (made, number) = number_vertices(patch, &mesh, &sources, vertices);
     let origin = mesh.positions[mesh.triangles[0][0] as usize];
