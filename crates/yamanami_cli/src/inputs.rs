@@ -4,9 +4,9 @@ use crate::args::{ReadingArgs, SourceArgs};
 use crate::failure::Failure;
 use crate::progress::Bar;
 use std::path::{Path, PathBuf};
-use yamanami::core::HeightField;
+use yamanami::core::{HeightField, TriangleMesh};
 use yamanami::io::{IoError, dem, mesh_file, store::ClusterStore};
-use yamanami::{Model, Terrain};
+use yamanami::{Criteria, Model, Terrain};
 
 /// What a command works on.
 #[derive(Debug)]
@@ -17,14 +17,26 @@ pub(crate) enum Opened {
 
 /// Opens what a command works on: a terrain, or a model where its one source is a mesh file or a model's database.
 pub(crate) fn subject(source: &SourceArgs) -> Result<Opened, Failure> {
-    let [path] = source.sources.as_slice() else {
-        return Ok(Opened::Terrain(Box::new(open(&source.sources, &source.reading)?)));
-    };
-    if is_mesh(path) || (is_yama(path) && ClusterStore::is_model(path)?) {
+    if let [path] = source.sources.as_slice()
+        && is_model(path)?
+    {
         let bar = Bar::shares("opening");
         return Ok(Opened::Model(Box::new(Model::open(path, &|share| bar.set_share(share))?)));
     }
     Ok(Opened::Terrain(Box::new(open(&source.sources, &source.reading)?)))
+}
+
+/// Whether a file is a mesh or a model's database.
+pub(crate) fn is_model(path: &Path) -> Result<bool, Failure> {
+    Ok(is_mesh(path) || (is_yama(path) && ClusterStore::is_model(path)?))
+}
+
+/// A mesh file as it is, or the finest mesh of a model's database.
+pub(crate) fn mesh(path: &Path) -> Result<TriangleMesh, Failure> {
+    if is_mesh(path) {
+        return Ok(mesh_file::read_mesh(path)?);
+    }
+    Ok(yamanami::extract(&mut Model::open(path, &|_| ())?, &Criteria::default())?.mesh)
 }
 
 /// Whether a file's name is that of a mesh.
