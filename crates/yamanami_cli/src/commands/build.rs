@@ -30,7 +30,7 @@ pub(crate) struct BuildArgs {
     #[arg(short, long, value_name = "S.yama", help_heading = "Results")]
     pub(super) output: PathBuf,
     /// Stored heights, or vertices, may be off by so many metres. Else heights are kept exactly, and vertices within
-    /// 1/150 of a usual edge of the mesh
+    /// 1/70 of a usual edge of the mesh
     #[arg(long, value_name = "M", value_parser = values::not_negative, help_heading = "Results")]
     pub(super) max_error: Option<f64>,
     /// Print JSON

@@ -1,8 +1,9 @@
 //! One page of clusters to bytes and back.
 
+use super::ids;
 use super::meta::ClusterMeta;
 use super::triangles;
-use super::vertices::{self, OTHERS, Packed, REMOVED};
+use super::vertices::{self, OTHERS, Packed, RANK, REMOVED};
 use crate::IoError;
 use crate::store::bits::{BitReader, BitWriter, put_varint, take, take_varint};
 use crate::store::family::{FAMILY, Member};
@@ -65,6 +66,9 @@ impl ClusterCodec {
     pub fn encode(&self, page: &ClusterPage, first_vertex: VertexId) -> Result<Vec<u8>, IoError> {
         let own = u32::try_from(page.vertices.len())
             .map_err(|_| bad("fewer vertices in a page", page.vertices.len().to_string()))?;
+        if !page.removed.is_sorted_by(|a, b| a < b) {
+            return Err(bad("vertices taken away in ascending order", "others".to_owned()));
+        }
         let packed: Option<Vec<Packed>> =
             page.vertices.iter().map(|v| Packed::of(v, self.origin_m, self.quantum_m)).collect();
         let packed = packed.ok_or_else(|| bad("vertices near the model", "one far off".to_owned()))?;
@@ -86,10 +90,16 @@ impl ClusterCodec {
         let (triangle_bytes, placings) = triangles::encode(own, &local);
         let is_flat = vertices::without_own_triangle(packed.len(), &local);
         let mut coded = Coded::new(0, 0);
-        differences(&others, first_vertex, &mut coded.residuals);
-        coded.contexts.resize(others.len(), OTHERS);
-        differences(&page.removed, first_vertex, &mut coded.residuals);
-        coded.contexts.resize(others.len() + page.removed.len(), REMOVED);
+        let mut sorted = others.clone();
+        sorted.sort_unstable();
+        let mut runs = Vec::new();
+        ids::split(&sorted, &mut runs, &mut coded.residuals);
+        coded.contexts.resize(coded.residuals.len(), OTHERS);
+        ids::split(&page.removed, &mut runs, &mut coded.residuals);
+        coded.contexts.resize(coded.residuals.len(), REMOVED);
+        let ranks: Vec<u32> = others.iter().map(|id| sorted.partition_point(|other| other < id) as u32).collect();
+        differences(&ranks, &mut coded.residuals);
+        coded.contexts.resize(coded.residuals.len(), RANK);
         vertices::contexts(&placings, &is_flat, self.has_colours, &mut coded.contexts);
         vertices::residuals(&packed, &placings, &local, &is_flat, self.has_colours, &mut coded.residuals);
         let mut coded = coded.in_one_row();
@@ -104,6 +114,7 @@ impl ClusterCodec {
         put_varint(&mut bytes, page.removed.len() as u64);
         put_varint(&mut bytes, triangle_bytes.len() as u64);
         put_varint(&mut bytes, plain.len() as u64);
+        bytes.extend(runs);
         bytes.extend(triangle_bytes);
         bytes.extend(plain);
         bytes.extend(encoder.finish());
@@ -125,7 +136,9 @@ impl ClusterCodec {
         if u64::from(shape.vertices) > 3 * shape.triangles || shape.triangles > MOST_TRIANGLES {
             return Err("it has more vertices or triangles than a page may have");
         }
-        let (others, removed) = (others as usize, removed as usize);
+        let (others, removed) = (others as u32, removed as u32);
+        let runs = ids::take_runs(&mut bytes, others).zip(ids::take_runs(&mut bytes, removed));
+        let (other_runs, removed_runs) = runs.ok_or("the runs break off")?;
         let own = shape.vertices as usize;
         let mut part = |length: u64| usize::try_from(length).ok().and_then(|n| take(&mut bytes, n));
         let triangle_bytes = part(triangle_bytes).ok_or("the triangles break off")?;
@@ -134,16 +147,22 @@ impl ClusterCodec {
         if count / MOST_TRIANGLES_A_BYTE > triangle_bytes.len() {
             return Err("the triangles break off");
         }
-        let (local, placings) = triangles::decode(shape.vertices, others as u32, count, triangle_bytes)
-            .ok_or("the triangles are damaged")?;
+        let (local, placings) =
+            triangles::decode(shape.vertices, others, count, triangle_bytes).ok_or("the triangles are damaged")?;
         let is_flat = vertices::without_own_triangle(own, &local);
-        let mut contexts = vec![OTHERS; others];
-        contexts.resize(others + removed, REMOVED);
+        let mut contexts = vec![OTHERS; ids::residual_count(&other_runs)];
+        contexts.resize(contexts.len() + ids::residual_count(&removed_runs), REMOVED);
+        contexts.resize(contexts.len() + others as usize, RANK);
         vertices::contexts(&placings, &is_flat, self.has_colours, &mut contexts);
         let values = read_residuals(&contexts, plain, bytes).ok_or("the vertices are damaged")?;
-        let (other_values, rest) = values.split_at(others);
-        let (removed_values, rest) = rest.split_at(removed);
-        let other_ids = sums(other_values, shape.first_vertex);
+        let (other_values, rest) = values.split_at(ids::residual_count(&other_runs));
+        let (removed_values, rest) = rest.split_at(ids::residual_count(&removed_runs));
+        let (ranks, rest) = rest.split_at(others as usize);
+        let sorted = ids::join(&other_runs, other_values).ok_or("a vertex number is out of bounds")?;
+        let removed = ids::join(&removed_runs, removed_values).ok_or("a vertex number is out of bounds")?;
+        let other_ids: Option<Vec<VertexId>> =
+            sums(ranks).into_iter().map(|rank| sorted.get(rank as usize).copied()).collect();
+        let other_ids = other_ids.ok_or("a vertex number is out of bounds")?;
         let packed = vertices::restore(own, &placings, &local, &is_flat, self.has_colours, rest);
         let vertices: Option<Vec<_>> = packed.iter().map(|p| p.vertex(self.origin_m, self.quantum_m)).collect();
         let id = |v: u32| {
@@ -152,7 +171,7 @@ impl ClusterCodec {
         Ok(ClusterPage {
             group: shape.group,
             vertices: vertices.ok_or("a vertex is out of bounds")?,
-            removed: sums(removed_values, shape.first_vertex),
+            removed,
             triangles: local.iter().map(|t| t.map(id)).collect(),
         })
     }
@@ -162,17 +181,17 @@ fn bad(expected: &str, given: String) -> IoError {
     IoError::BadRequest { what: "page of clusters".into(), expected: expected.into(), given }
 }
 
-/// Numbers as differences, the first from `start`, modulo 2^32.
-fn differences(numbers: &[u32], start: u32, out: &mut Vec<i32>) {
-    let before = std::iter::once(&start).chain(numbers);
-    out.extend(numbers.iter().zip(before).map(|(n, last)| n.wrapping_sub(*last) as i32));
+/// Numbers as differences less one, the first from -1, modulo 2^32.
+fn differences(numbers: &[u32], out: &mut Vec<i32>) {
+    let before = std::iter::once(&u32::MAX).chain(numbers);
+    out.extend(numbers.iter().zip(before).map(|(n, last)| n.wrapping_sub(*last).wrapping_sub(1) as i32));
 }
 
 /// Undoes [`differences`].
-fn sums(differences: &[i32], start: u32) -> Vec<u32> {
-    let mut last = start;
+fn sums(differences: &[i32]) -> Vec<u32> {
+    let mut last = u32::MAX;
     let mut next = |&d: &i32| {
-        last = last.wrapping_add(d as u32);
+        last = last.wrapping_add(d as u32).wrapping_add(1);
         last
     };
     differences.iter().map(&mut next).collect()

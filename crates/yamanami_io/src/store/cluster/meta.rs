@@ -29,7 +29,7 @@ pub struct ClusterMeta {
 
 /// An edge of the source is at least so many quanta long where nothing else is asked for: what is lost is far below what
 /// a scanner can tell.
-const QUANTA_AN_EDGE: f64 = 128.0;
+const QUANTA_AN_EDGE: f64 = 64.0;
 /// Most quanta along the box's diagonal: coordinates are 32-bit integers with room for what lies outside the box.
 const MOST_QUANTA: f64 = (1u32 << 28) as f64;
 

@@ -4,6 +4,7 @@
 //! [`put_in_order`] makes pages that take fewer bytes.
 
 mod codec;
+mod ids;
 mod meta;
 mod nodes;
 mod order;

@@ -11,6 +11,8 @@ use std::collections::VecDeque;
 pub(super) const NONE: u32 = u32::MAX;
 /// A triangle is looked for at so many open edges, the youngest first.
 pub(super) const GATES: usize = 24;
+/// Vertices that a third corner is likely to be.
+const CANDIDATES: usize = 4;
 
 /// An open edge, in the direction in which a triangle glued to it has it, and the vertex across.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -30,14 +32,34 @@ pub(super) struct Placing {
     pub(super) across: u32,
 }
 
+/// The other ends of the two youngest open edges at a vertex, in one direction; [`NONE`] where there are fewer.
+#[derive(Debug, Clone, Copy)]
+struct Ends([u32; 2]);
+
+impl Ends {
+    const NOWHERE: Self = Self([NONE; 2]);
+
+    fn push(&mut self, end: u32) {
+        self.0 = [end, self.0[0]];
+    }
+
+    fn forget(&mut self, end: u32) {
+        match self.0 {
+            [young, old] if young == end => self.0 = [old, NONE],
+            [young, old] if old == end => self.0 = [young, NONE],
+            _ => {}
+        }
+    }
+}
+
 /// The border of the triangles so far. Vertices are numbered: first the page's own, then the others by first use.
 #[derive(Debug)]
 pub(super) struct Border {
     open: VecDeque<Gate>,
-    /// By vertex: where the youngest open edge from it leads.
-    out_of: Vec<u32>,
-    /// By vertex: where the youngest open edge to it comes from.
-    into: Vec<u32>,
+    /// By vertex: where open edges from it lead.
+    out_of: Vec<Ends>,
+    /// By vertex: where open edges to it come from.
+    into: Vec<Ends>,
     own: u32,
     next_own: u32,
     seen: Vec<bool>,
@@ -47,13 +69,12 @@ pub(super) struct Border {
 impl Border {
     pub(super) fn new(own: u32) -> Self {
         let n = own as usize;
-        let (out_of, into) = (vec![NONE; n], vec![NONE; n]);
+        let (out_of, into) = (vec![Ends::NOWHERE; n], vec![Ends::NOWHERE; n]);
         Self { open: VecDeque::new(), out_of, into, own, next_own: 0, seen: vec![false; n], placings: Vec::new() }
     }
 
     fn is_open(&self, from: u32, to: u32) -> bool {
-        let at = |list: &[u32], v: u32| list.get(v as usize).copied().unwrap_or(NONE);
-        at(&self.out_of, from) == to || at(&self.into, to) == from
+        self.out_of[from as usize].0.contains(&to) || self.into[to as usize].0.contains(&from)
     }
 
     fn forget_closed(&mut self) {
@@ -90,8 +111,8 @@ impl Border {
 
     /// Makes room for another vertex that is not the page's own; gives its number.
     pub(super) fn add_other(&mut self) -> u32 {
-        self.out_of.push(NONE);
-        self.into.push(NONE);
+        self.out_of.push(Ends::NOWHERE);
+        self.into.push(Ends::NOWHERE);
         self.out_of.len() as u32 - 1
     }
 
@@ -143,31 +164,39 @@ impl Border {
 
     /// Adds a triangle: its edges close open ones or are open themselves.
     pub(super) fn add(&mut self, [a, b, c]: [u32; 3]) {
-        for (from, to, across) in [(a, b, c), (c, a, b), (b, c, a)] {
-            if self.is_open(from, to) {
-                if self.out_of[from as usize] == to {
-                    self.out_of[from as usize] = NONE;
-                }
-                if self.into[to as usize] == from {
-                    self.into[to as usize] = NONE;
-                }
-            } else {
-                self.open.push_back(Gate { from: to, to: from, across });
-                self.out_of[to as usize] = from;
-                self.into[from as usize] = to;
-            }
+        let edges = [(a, b, c), (c, a, b), (b, c, a)];
+        let closes = edges.map(|(from, to, _)| self.is_open(from, to));
+        for ((from, to, _), _) in edges.into_iter().zip(closes).filter(|(_, closes)| *closes) {
+            self.out_of[from as usize].forget(to);
+            self.into[to as usize].forget(from);
+        }
+        for ((from, to, across), _) in edges.into_iter().zip(closes).filter(|(_, closes)| !closes) {
+            self.open.push_back(Gate { from: to, to: from, across });
+            self.out_of[to as usize].push(from);
+            self.into[from as usize].push(to);
         }
     }
 
-    /// The third corners that close one more edge of the border.
-    fn candidates(&self, p: u32, q: u32) -> [u32; 2] {
-        let at = |list: &[u32], v: u32, not: u32| list.get(v as usize).copied().filter(|&x| x != not).unwrap_or(NONE);
-        let [right, left] = [at(&self.out_of, q, p), at(&self.into, p, q)];
-        [right, if left == right { NONE } else { left }]
+    /// The third corners that close one more edge of the border, the likeliest first; [`NONE`] for what there is not.
+    fn candidates(&self, p: u32, q: u32) -> [u32; CANDIDATES] {
+        let ([a, b], [c, d]) = (self.out_of[q as usize].0, self.into[p as usize].0);
+        let mut all = [a, c, b, d];
+        for i in 0..CANDIDATES {
+            if all[i] == p || all[i] == q || all[..i].contains(&all[i]) {
+                all[i] = NONE;
+            }
+        }
+        all
     }
 
-    fn situation(&self, [right, left]: [u32; 2]) -> usize {
-        usize::from(right != NONE) | usize::from(left != NONE) << 1
+    /// Which candidates there are, as a number below 4.
+    fn situation(&self, candidates: [u32; CANDIDATES]) -> usize {
+        usize::from(candidates[0] != NONE) | usize::from(candidates[1] != NONE) << 1
+    }
+
+    /// Whether a gate lies between two vertices that are not the page's own: most likely on the border of the patch.
+    fn is_outer(&self, gate: Gate) -> usize {
+        usize::from(gate.from >= self.own && gate.to >= self.own)
     }
 
     /// Notes the vertices that no triangle uses.
@@ -192,16 +221,22 @@ pub(super) fn turned(corners: [u32; 3], gate: Gate) -> Option<(u32, [u32; 3])> {
 #[derive(Debug)]
 struct Model {
     glued: [Probability; 2],
-    passed: [Probability; GATES + 1],
+    passed: [[Probability; GATES]; 2],
     turns: [Probability; 2],
-    third: [[Probability; 4]; 4],
+    third: [[Probability; CANDIDATES + 2]; 4],
     corner: [[Probability; 2]; 3],
 }
 
 impl Model {
     const fn new() -> Self {
         const P: Probability = Probability::EVEN;
-        Self { glued: [P; 2], passed: [P; GATES + 1], turns: [P; 2], third: [[P; 4]; 4], corner: [[P; 2]; 3] }
+        Self {
+            glued: [P; 2],
+            passed: [[P; GATES]; 2],
+            turns: [P; 2],
+            third: [[P; CANDIDATES + 2]; 4],
+            corner: [[P; 2]; 3],
+        }
     }
 }
 
@@ -228,15 +263,18 @@ pub(super) fn encode(own: u32, triangles: &[[u32; 3]]) -> (Vec<u8>, Vec<Placing>
             border.add(triangle);
             continue;
         };
-        for i in 0..passed {
-            coder.put(true, &mut model.passed[i]);
+        let mut gate = border.gate();
+        for i in 0..=passed {
+            let outer = gate.map_or(0, |g| border.is_outer(g));
+            coder.put(i < passed, &mut model.passed[outer][i]);
+            if i < passed {
+                gate = border.reach(1);
+            }
         }
-        coder.put(false, &mut model.passed[passed]);
         coder.put(by > 0, &mut model.turns[0]);
         if by > 0 {
             coder.put(by > 1, &mut model.turns[1]);
         }
-        let gate = border.reach(passed);
         let [p, q, third] = corners;
         let candidates = border.candidates(p, q);
         let likely = &mut model.third[border.situation(candidates)];
@@ -244,14 +282,14 @@ pub(super) fn encode(own: u32, triangles: &[[u32; 3]]) -> (Vec<u8>, Vec<Placing>
         let is_new = third == next_own;
         coder.put(is_new, &mut likely[0]);
         let mut done = is_new;
-        for (candidate, p) in candidates.into_iter().zip(&mut likely[1..3]) {
+        for (candidate, p) in candidates.into_iter().zip(&mut likely[1..=CANDIDATES]) {
             if !done && candidate != NONE {
                 done = third == candidate;
                 coder.put(done, p);
             }
         }
         if !done {
-            put_seen_or_other(&mut coder, &mut likely[3], &mut border, third);
+            put_seen_or_other(&mut coder, &mut likely[CANDIDATES + 1], &mut border, third);
         }
         border.place(corners, gate.map_or(NONE, |g| g.across));
         border.add(corners);
@@ -303,29 +341,28 @@ pub(super) fn decode(own: u32, others: u32, count: usize, bytes: &[u8]) -> Optio
             triangles.push(triangle);
             continue;
         }
+        let mut gate = border.gate()?;
         let mut passed = 0;
-        while coder.get(&mut model.passed[passed]) {
+        while coder.get(&mut model.passed[border.is_outer(gate)][passed]) {
             passed += 1;
-            if passed >= GATES {
-                return None;
-            }
+            gate = border.reach(1).filter(|_| passed < GATES)?;
         }
         let mut by = usize::from(coder.get(&mut model.turns[0]));
         if by > 0 {
             by += usize::from(coder.get(&mut model.turns[1]));
         }
-        let Gate { from: p, to: q, across } = border.reach(passed)?;
+        let Gate { from: p, to: q, across } = gate;
         let candidates = border.candidates(p, q);
         let likely = &mut model.third[border.situation(candidates)];
         let next_own = border.next_own();
         let mut third = if coder.get(&mut likely[0]) { next_own } else { NONE };
-        for (candidate, p) in candidates.into_iter().zip(&mut likely[1..3]) {
+        for (candidate, p) in candidates.into_iter().zip(&mut likely[1..=CANDIDATES]) {
             if third == NONE && candidate != NONE && coder.get(p) {
                 third = candidate;
             }
         }
         if third == NONE {
-            third = get_seen_or_other(&mut coder, &mut likely[3], &mut border, most)?;
+            third = get_seen_or_other(&mut coder, &mut likely[CANDIDATES + 1], &mut border, most)?;
         }
         let corners = [p, q, third];
         border.place(corners, across);

@@ -21,11 +21,12 @@ pub(super) struct Packed {
 const OCT_STEPS: f64 = 254.0;
 
 /// Contexts of the residuals; those of one kind share a distribution.
-pub(super) const COLOUR: u8 = 8;
+const COLOUR: u8 = 8;
 const NORMAL: u8 = 11;
 pub(super) const OTHERS: u8 = 15;
 pub(super) const REMOVED: u8 = 16;
 const PLACE: u8 = 17;
+pub(super) const RANK: u8 = 23;
 
 impl Packed {
     /// Rounds a vertex; `None` when it is too far out or no number.
