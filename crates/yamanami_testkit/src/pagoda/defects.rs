@@ -38,7 +38,7 @@ fn is_hidden(storeys: &[Storey], p: DVec3, normal: DVec3, shift: DVec3) -> bool 
         let in_walls = p.z > s.floor_z && p.z < s.head_z && out_m < -0.01;
         let in_brackets = p.z > s.head_z && p.z < s.roof.under_z(0.0, s.half_m) + 0.02;
         let behind = out_m < 0.02 && (outward < -0.3 || normal.z > 0.7);
-        let deep = out_m < 0.11 && blotch > 0.25;
+        let deep = out_m < 0.11 && blotch > 0.42;
         in_walls || (in_brackets && (out_m < -0.012 || behind || deep))
     })
 }

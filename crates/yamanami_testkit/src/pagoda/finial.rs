@@ -9,6 +9,7 @@ use std::f64::consts::{PI, TAU};
 /// Above the top of the highest roof's slopes.
 pub(super) const HEIGHT_M: f64 = 0.985;
 const MAST_M: f64 = 0.0095;
+const SPOKE_M: f64 = 0.0026;
 const FIRST_RING_Z: f64 = 0.215;
 const RING_SPACING_M: f64 = 0.056;
 
@@ -46,6 +47,7 @@ pub(super) fn build(parts: &mut Parts, top_z: f64) {
     let dragon_z = FIRST_RING_Z + 8.0 * RING_SPACING_M + 0.200;
     lotus(parts, at(dragon_z - 0.030), 0.022, 0.012);
     parts.ball(at(dragon_z), 0.022, Bronze, |d| d);
+    parts.seen_with(2.0 * MAST_M);
     lotus(parts, at(HEIGHT_M - 0.058), 0.020, 0.012);
     parts.ball(at(HEIGHT_M - 0.034), 0.022, Bronze, |d| {
         // a drop: drawn out to a tip at the top
@@ -73,13 +75,15 @@ fn ring(parts: &mut Parts, pose: Pose, radius_m: f64, number: usize) {
     parts.ring(pose, 0.55 * radius_m, [0.0028, 0.0036], Bronze);
     let hub = |t: f64| [0.0125 + 0.0045 * (PI * t).sin(), 0.030 * (t - 0.5)];
     parts.turned(pose, [0.015, 0.036], Bronze, hub, |_, _| 0.0);
+    parts.seen_with(2.0 * MAST_M);
     for k in 0..8 {
         let turned = Pose::turned(TAU / 8.0 * (k as f64 + 0.5 * (number % 2) as f64));
         let spoke = turned.raised_to(pose);
-        parts.round_bar(spoke, [0.010, radius_m - 0.001], 0.0026, Bronze, |_| [0.0, 0.0]);
+        parts.round_bar(spoke, [0.010, radius_m - 0.001], SPOKE_M, Bronze, |_| [0.0, 0.0]);
         if k % 2 == 0 {
             let bell = |t: f64| [0.0058 * (1.15 - 0.15 * t - 0.62 * t.powi(4)), 0.019 * (t - 1.0) - 0.0075];
             parts.turned(spoke.moved(radius_m, 0.0, 0.0), [0.0058, 0.022], Bronze, bell, |_, _| 0.0);
+            parts.seen_with(2.0 * SPOKE_M);
         }
     }
 }
@@ -99,7 +103,7 @@ fn flame(parts: &mut Parts, z: f64) {
             let inner = 0.5 * (edge(t) - 0.010) + 0.006;
             let x = inner + p.x * (edge(t) - inner);
             // tongues lean upward at their tips
-            DVec3::new(x, 0.0042 * (p.y - 0.5) * (1.0 - 0.4 * p.x), t * HIGH_M + 0.012 * p.x * (1.0 - t))
+            DVec3::new(x, 0.0042 * (p.y - 0.5) * (1.0 - 0.4 * p.x), t * HIGH_M + 0.036 * p.x * t * (1.0 - t))
         });
         for k in 1..6 {
             let t = k as f64 / 6.0;

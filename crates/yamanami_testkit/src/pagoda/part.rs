@@ -126,6 +126,13 @@ impl Parts {
         self.list.push(Part { form, place: Box::new(place), material, thickness_m });
     }
 
+    /// Has the last piece seen only where pieces of this thickness are: those that it hangs on.
+    pub(super) fn seen_with(&mut self, thickness_m: f64) {
+        if let Some(part) = self.list.last_mut() {
+            part.thickness_m = part.thickness_m.min(thickness_m);
+        }
+    }
+
     /// A box between two corners.
     pub(super) fn bar(&mut self, pose: Pose, from: [f64; 3], to: [f64; 3], material: Material) {
         let (from, to) = (DVec3::from_array(from), DVec3::from_array(to));
@@ -145,7 +152,7 @@ impl Parts {
     ) {
         let side_m = FRAC_PI_4 * 2.0 * radius_m;
         let size_m = [to_m - from_m, side_m, side_m];
-        self.push(Form::Cube { size_m, least: [1, 2, 2] }, side_m, material, move |p| {
+        self.push(Form::Cube { size_m, least: [1, 2, 2] }, 2.0 * radius_m, material, move |p| {
             let x = from_m + p.x * (to_m - from_m);
             let section = disc(2.0 * p.y - 1.0, 2.0 * p.z - 1.0) * radius_m;
             let [y, z] = axis(x);

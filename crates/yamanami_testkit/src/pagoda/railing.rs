@@ -12,6 +12,8 @@ const GROUND_RAIL_Z: f64 = 0.008;
 const MID_RAIL_Z: f64 = 0.042;
 pub(super) const TOP_RAIL_Z: f64 = 0.074;
 const TOP_RAIL_RADIUS_M: f64 = 0.0066;
+/// Height of the middle rail.
+const MID_RAIL_M: f64 = 0.0065;
 /// About the distance between posts.
 const POST_SPACING_M: f64 = 0.072;
 
@@ -79,7 +81,7 @@ fn rails(parts: &mut Parts, pose: Pose, storey: &Storey) {
     let end = y + OVER_M;
     // the two sides' rails cross at the corner; one pair lies a little higher, as if halved into the other
     let turn_up = move |x: f64| 0.026 * ((x.abs() - y + 0.02) / (OVER_M + 0.02)).clamp(0.0, 1.0).powi(2);
-    for (bottom, wide_m, high_m, rise) in [(GROUND_RAIL_Z, 0.013, 0.011, 0.0), (MID_RAIL_Z, 0.013, 0.0065, 0.55)] {
+    for (bottom, wide_m, high_m, rise) in [(GROUND_RAIL_Z, 0.013, 0.011, 0.0), (MID_RAIL_Z, 0.013, MID_RAIL_M, 0.55)] {
         let size = DVec3::new(2.0 * end, wide_m, high_m);
         parts.bent(pose, size.to_array(), Wood, move |p| {
             let q = worn_box(p, size, 0.0014);
@@ -99,8 +101,10 @@ fn rails(parts: &mut Parts, pose: Pose, storey: &Storey) {
             continue;
         }
         parts.bar(post, [-0.005, -0.005, -0.002], [0.005, 0.005, GROUND_RAIL_Z + 0.002], Wood);
+        parts.seen_with(MID_RAIL_M);
         let half = if is_corner { 0.0062 } else { 0.0048 };
         parts.bar(post, [-half, -half, GROUND_RAIL_Z + 0.010], [half, half, MID_RAIL_Z + 0.001], Wood);
+        parts.seen_with(MID_RAIL_M);
         saddle(parts, post);
     }
 }
@@ -114,4 +118,5 @@ fn saddle(parts: &mut Parts, pose: Pose) {
         [r, from + t * height_m]
     };
     parts.turned(pose, [0.0056, height_m], Wood, profile, |_, _| 0.0);
+    parts.seen_with(MID_RAIL_M);
 }

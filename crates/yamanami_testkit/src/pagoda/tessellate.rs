@@ -275,11 +275,11 @@ mod tests {
     fn columns_of_any_length_make_a_sheet() {
         let column_m = |u: f64| [1.0 + 9.0 * (u * 3.0).sin().abs(), 2.0, 3.0 + 20.0 * u * (1.0 - u)];
         let form = Form::Sheet(Sheet { across_m: 30.0, column_m: Box::new(column_m) });
-        // laid out flat: the under side to the left of x = 0, the top side to the right of x = 2
+        // laid out flat: the under side left of x = 0, the top side right of x = 2
         let flat = |p: DVec3| {
             let [under, _, top] = column_m(p.x);
             let along = if p.y < 0.0 { p.y * under } else { 2.0 * p.y.min(1.0) + (p.y - 1.0).max(0.0) * top };
-            DVec3::new(-along, 30.0 * p.x, 0.0)
+            DVec3::new(along, 30.0 * p.x, 0.0)
         };
         let mesh = made(&form, 0.7, flat);
         check_conforming(&mesh, &mesh, Kind::Terrain).unwrap();
