@@ -32,6 +32,9 @@ const SIDE_BY_SIDE: usize = 16;
 /// A distance that does not matter, units.
 const NOTHING: f64 = 1.0 / (1u64 << 40) as f64;
 
+/// A vertex at this share of a limit needs no nearer triangle.
+const NEAR_ENOUGH: f64 = 0.5;
+
 /// A cut closer to a corner than this share of the piece's radius is not worth making.
 const LEAST_CUT: f64 = 1e-3;
 
@@ -50,7 +53,7 @@ pub(super) struct Direction<'a> {
     pub(super) from: &'a Tree,
     pub(super) from_triangles: &'a [[u32; 3]],
     pub(super) to: &'a Tree,
-    /// The triangle of `to` nearest to each vertex that a triangle of `from` has.
+    /// A triangle of `to` near each vertex that a triangle of `from` has: with [`Goal::Greatest`] the nearest.
     near: Vec<Near>,
 }
 
@@ -81,8 +84,16 @@ pub(super) struct Outcome {
 }
 
 impl<'a> Direction<'a> {
-    /// Finds the nearest triangle for every vertex of `from`, which has `vertices`. Both surfaces have triangles.
-    pub(super) fn new(from: &'a Tree, from_triangles: &'a [[u32; 3]], vertices: usize, to: &'a Tree) -> Self {
+    /// Finds the nearest triangle for every vertex of `from`, which has `vertices`, or one that is near enough for the goal.
+    /// Both surfaces have triangles.
+    pub(super) fn new(
+        from: &'a Tree,
+        from_triangles: &'a [[u32; 3]],
+        vertices: usize,
+        to: &'a Tree,
+        goal: Goal,
+    ) -> Self {
+        let enough = if let Goal::Within { limit } = goal { (limit * NEAR_ENOUGH).powi(2) } else { 0.0 };
         // in the order of the tree, so that the last answer is a good guess for the next question
         let mut near = vec![Near::NOTHING; vertices];
         let mut asked = Vec::with_capacity(vertices);
@@ -97,7 +108,8 @@ impl<'a> Direction<'a> {
         let answer = |asked: &[(u32, DVec3)]| {
             let mut slot = 0;
             let nearest = |&(v, p): &(u32, DVec3)| {
-                let found = to.nearest(p, to.near(p, slot));
+                let last = to.near(p, slot);
+                let found = if last.distance2 <= enough { last } else { to.nearest(p, last) };
                 slot = found.slot;
                 (v, found)
             };
@@ -212,9 +224,19 @@ impl State {
     fn step(&mut self, direction: &Direction<'_>, mut piece: Piece) {
         self.steps += 1;
         let to = direction.to;
+        let is_cut_no_more = self.last || piece.cuts >= MOST_CUTS;
+        // a bound above the threshold only matters where the piece has to be taken as it is
+        let enough2 = if is_cut_no_more { f64::INFINITY } else { self.threshold2 };
         let greatest = |slot: u32| {
             let triangle = &to.triangles[slot as usize];
-            piece.corners().iter().map(|&p| super::triangle::distance2(p, triangle)).fold(0.0, f64::max)
+            let mut greatest2 = 0.0f64;
+            for &p in piece.corners() {
+                greatest2 = greatest2.max(super::triangle::distance2(p, triangle));
+                if greatest2 > enough2 {
+                    return f64::INFINITY;
+                }
+            }
+            greatest2
         };
         let mut upper2 = greatest(piece.near);
         if upper2 > self.threshold2 {
@@ -230,7 +252,7 @@ impl State {
             upper2 = upper2.min((found.distance2.sqrt() + radius).powi(2));
             if upper2 > self.threshold2 {
                 piece.near = found.slot;
-                if !self.last && piece.cuts < MOST_CUTS {
+                if !is_cut_no_more {
                     return self.cut(to, piece, radius);
                 }
                 if let Goal::Within { .. } = self.goal {

@@ -9,7 +9,7 @@ use glam::DVec3;
 use yamanami_core::TriangleMesh;
 
 /// Triangles of a leaf.
-const LEAF: usize = 4;
+const LEAF: usize = 2;
 
 /// Marks a child that is a leaf: first triangle times four, plus the number of triangles less one.
 const LEAF_MARK: u32 = 1 << 31;

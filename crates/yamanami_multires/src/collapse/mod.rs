@@ -7,8 +7,10 @@
 mod garland;
 mod quadric;
 mod stars;
+mod within;
 mod work;
 
+pub use within::{CollapsedWithin, collapse_within};
 use work::Work;
 use yamanami_core::TriangleMesh;
 
