@@ -1,0 +1,388 @@
+//! The collapse in rounds: each takes the edges of a block up to a cost, in the order of memory; the next takes a little
+//! more, until all blocks have come to a common cost, which then rises.
+//!
+//! Every vertex keeps the cost of its cheapest edge. A collapse marks the vertices around it stale; a stale vertex is weighed
+//! anew only when a round reaches the cost it had, for costs seldom fall. So there is no queue, and work stays where it is
+//! in the cache. Where the last round would go too far, its edges are taken in the order of their costs.
+
+use super::StoppedBy;
+use super::plane_sum::{ABREAST, EDGES_ABREAST, PlaneSum, best_place, costs};
+use super::work::{Work, hold};
+use glam::DVec3;
+use std::ops::Range;
+
+/// Share of the vertices whose edges a sweep over the whole mesh takes, and a round within a block.
+const SHARE_OF_SWEEP: f64 = 0.25;
+const SHARE_OF_ROUND: f64 = 0.03;
+
+/// Vertices that go through their rounds together: what is around them stays in the cache.
+const BLOCK: usize = 4096;
+
+/// Bits of a cost that tell less than an eighth of an octave.
+const KEY_SHIFT: u32 = 20;
+
+/// Compacts when this share of the vertices is gone.
+const COMPACT_AT: f64 = 0.4;
+
+/// What is known of a vertex is out of date.
+const SUM_IS_STALE: u8 = 1;
+const EDGE_IS_STALE: u8 = 2;
+/// An edge cheaper than its key could not be taken.
+const BLOCKED: u8 = 4;
+/// The triangles around the vertex close a ring.
+const IS_CLOSED: u8 = 8;
+
+/// When to stop.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Stop {
+    pub(super) faces: usize,
+    /// Largest estimate of a step's distance, units of the work.
+    pub(super) error: f64,
+}
+
+/// A mesh with what is known of its vertices.
+#[derive(Debug)]
+pub(super) struct Rounds<'w> {
+    work: &'w mut Work,
+    sources: &'w mut Vec<u32>,
+    sums: Vec<PlaneSum>,
+    /// Cost of the cheapest edge; infinite for none.
+    key: Vec<f32>,
+    /// Its other end.
+    partner: Vec<u32>,
+    state: Vec<u8>,
+    gone: usize,
+    /// Scratch: vertices by cost.
+    counts: Vec<u32>,
+    /// The largest estimate of a step taken.
+    pub(super) worst: f64,
+    ring: Vec<u32>,
+    tried: Vec<u32>,
+}
+
+/// What an edge costs.
+#[derive(Debug, Clone, Copy)]
+struct Weighed {
+    cost: f32,
+    place: DVec3,
+}
+
+impl<'w> Rounds<'w> {
+    pub(super) fn new(work: &'w mut Work, sources: &'w mut Vec<u32>) -> Self {
+        let n = work.positions.len();
+        let mut rounds = Self {
+            work,
+            sources,
+            sums: vec![PlaneSum::default(); n],
+            key: vec![f32::INFINITY; n],
+            partner: vec![u32::MAX; n],
+            state: vec![SUM_IS_STALE; n],
+            gone: 0,
+            counts: vec![0; 1 << (32 - KEY_SHIFT)],
+            worst: 0.0,
+            ring: Vec::new(),
+            tried: Vec::new(),
+        };
+        for v in 0..n as u32 {
+            rounds.weigh_vertex(v);
+        }
+        rounds
+    }
+
+    /// Collapses until something says stop. `progress` hears of the faces left.
+    pub(super) fn run(&mut self, stop: Stop, progress: &dyn Fn(usize)) -> StoppedBy {
+        while self.work.faces() > stop.faces {
+            let wanted = (self.work.faces() - stop.faces).div_ceil(2);
+            let alive = (self.key.len() - self.gone) as f64;
+            // a collapse often makes room for another below the same cost
+            let share = (0.4 * wanted as f64 / alive).min(SHARE_OF_SWEEP);
+            let all = 0..self.key.len();
+            let limit = self.limit_of(all.clone(), share.max(SHARE_OF_ROUND));
+            if limit == f32::INFINITY {
+                return StoppedBy::Topology;
+            }
+            if share > SHARE_OF_ROUND {
+                for start in all.step_by(BLOCK) {
+                    self.settle(start..(start + BLOCK).min(self.key.len()), limit, stop);
+                }
+            } else {
+                let found: Vec<u32> = (0..self.key.len() as u32).filter(|&v| self.key[v as usize] <= limit).collect();
+                self.take_in_order(found, stop);
+            }
+            progress(self.work.faces());
+            if self.gone as f64 > COMPACT_AT * self.key.len() as f64 {
+                self.compact();
+            }
+        }
+        StoppedBy::Target
+    }
+
+    /// Takes a block's edges up to a cost, in rounds.
+    fn settle(&mut self, block: Range<usize>, limit: f32, stop: Stop) {
+        loop {
+            let round = self.limit_of(block.clone(), SHARE_OF_ROUND).min(limit);
+            for v in block.clone() {
+                if self.key[v] <= round {
+                    if self.work.faces() <= stop.faces {
+                        return;
+                    }
+                    self.take(v as u32, round, stop);
+                }
+            }
+            if round == limit {
+                return;
+            }
+        }
+    }
+
+    /// The least cost, in steps of an eighth of an octave, up to which this share of some vertices' cheapest edges go;
+    /// infinite where there are no edges.
+    fn limit_of(&mut self, vertices: Range<usize>, share: f64) -> f32 {
+        let infinite = (f32::INFINITY.to_bits() >> KEY_SHIFT) as usize;
+        self.counts.fill(0);
+        for key in &self.key[vertices] {
+            self.counts[(key.to_bits() >> KEY_SHIFT) as usize] += 1;
+        }
+        let alive: u32 = self.counts[..infinite].iter().sum();
+        let wanted = (f64::from(alive) * share) as u32;
+        let mut sum = 0;
+        for (bin, &count) in self.counts[..infinite].iter().enumerate() {
+            sum += count;
+            if sum > wanted {
+                return f32::from_bits(((bin as u32 + 1) << KEY_SHIFT) - 1);
+            }
+        }
+        f32::INFINITY
+    }
+
+    /// Takes the edges of these vertices, the cheapest first.
+    fn take_in_order(&mut self, mut found: Vec<u32>, stop: Stop) {
+        found.sort_unstable_by(|&a, &b| self.key[a as usize].total_cmp(&self.key[b as usize]).then(a.cmp(&b)));
+        for v in found {
+            if self.work.faces() <= stop.faces {
+                return;
+            }
+            let limit = self.key[v as usize];
+            self.take(v, limit, stop);
+        }
+    }
+
+    /// Takes the vertex's cheapest edge that may go, if it costs no more than `limit`.
+    fn take(&mut self, v: u32, limit: f32, stop: Stop) {
+        if self.work.is_gone(v) {
+            return;
+        }
+        if self.state[v as usize] & EDGE_IS_STALE != 0 {
+            // often the edge that was the cheapest still is cheap enough: then the others need not be weighed
+            let partner = self.partner[v as usize];
+            if partner < self.key.len() as u32
+                && self.work.star(v).iter().any(|c| c.turned(&self.work.triangles)[1] == partner)
+            {
+                let weighed = self.weigh_edge(v, partner);
+                if weighed.cost <= limit && self.collapse(v, partner, weighed, stop) {
+                    return;
+                }
+            }
+            self.weigh_vertex(v);
+        }
+        let mut tried = std::mem::take(&mut self.tried);
+        tried.clear();
+        while self.key[v as usize] <= limit {
+            let partner = self.partner[v as usize];
+            let weighed = self.weigh_edge(v, partner);
+            if self.collapse(v, partner, weighed, stop) {
+                break;
+            }
+            tried.push(partner);
+            self.weigh_others(v, &tried);
+        }
+        self.tried = tried;
+    }
+
+    /// Collapses an edge unless that does harm.
+    fn collapse(&mut self, v: u32, partner: u32, weighed: Weighed, stop: Stop) -> bool {
+        let estimate = self.estimate(v, partner, weighed.cost);
+        if estimate > stop.error {
+            return false;
+        }
+        let (from, to) = (self.work.positions[v as usize], self.work.positions[partner as usize]);
+        let holds = self.work.holds[v as usize] | self.work.holds[partner as usize];
+        // the one whose place is kept stays
+        let (stays, goes) = if holds != 0 && weighed.place == to { (partner, v) } else { (v, partner) };
+        let way = to - from;
+        let share = ((weighed.place - from).dot(way) / way.length_squared()).clamp(0.0, 1.0) as f32;
+        let share = if stays == v { share } else { 1.0 - share };
+        if !self.work.collapse(goes, stays, weighed.place, share) {
+            return false;
+        }
+        self.worst = self.worst.max(estimate);
+        self.gone += 1;
+        self.key[goes as usize] = f32::INFINITY;
+        let mut ring = std::mem::take(&mut self.ring);
+        self.work.neighbours(stays, &mut ring);
+        for &r in &ring {
+            let state = &mut self.state[r as usize];
+            *state |= SUM_IS_STALE | EDGE_IS_STALE;
+            if *state & BLOCKED != 0 {
+                self.key[r as usize] = self.key[r as usize].min(weighed.cost);
+            }
+        }
+        self.ring = ring;
+        self.state[stays as usize] = SUM_IS_STALE | EDGE_IS_STALE;
+        // weighed when a round reaches it
+        self.key[stays as usize] = weighed.cost;
+        true
+    }
+
+    /// Root of the mean squared distance over the triangles around an edge.
+    fn estimate(&self, a: u32, b: u32, cost: f32) -> f64 {
+        let area = self.sums[a as usize].total_area() + self.sums[b as usize].total_area();
+        if area > 0.0 { (f64::from(cost) / area).sqrt() } else { 0.0 }
+    }
+
+    fn weigh_vertex(&mut self, v: u32) {
+        self.state[v as usize] &= !BLOCKED;
+        self.weigh_others(v, &[]);
+    }
+
+    /// Finds the vertex's cheapest edge but those `tried`.
+    fn weigh_others(&mut self, v: u32, tried: &[u32]) {
+        self.refresh(v);
+        let mut ring = std::mem::take(&mut self.ring);
+        if self.state[v as usize] & IS_CLOSED != 0 {
+            ring.clear();
+            ring.extend(self.work.star(v).iter().map(|corner| corner.turned(&self.work.triangles)[1]));
+        } else {
+            self.work.neighbours(v, &mut ring);
+        }
+        ring.retain(|n| !tried.contains(n));
+        let (mut best, mut partner) = (f32::INFINITY, u32::MAX);
+        let is_held = |work: &Work, n: u32| work.holds[n as usize] != 0;
+        let mut consider = |cost: f32, n: u32| {
+            if cost < best {
+                (best, partner) = (cost, n);
+            }
+        };
+        if is_held(self.work, v) || ring.iter().any(|&n| is_held(self.work, n)) {
+            for &n in &ring {
+                consider(self.weigh_edge(v, n).cost, n);
+            }
+        } else {
+            let at = self.work.positions[v as usize];
+            ring.iter().for_each(|&n| self.refresh(n));
+            for some in ring.chunks(EDGES_ABREAST) {
+                // the last fills the lanes up
+                let lane = |l: usize| some[l.min(some.len() - 1)] as usize;
+                let seconds = std::array::from_fn(|l| &self.sums[lane(l)]);
+                let edges = std::array::from_fn(|l| self.work.positions[lane(l)] - at);
+                let costs = costs(&self.sums[v as usize], seconds, edges);
+                some.iter().zip(costs).for_each(|(&n, cost)| consider(cost as f32, n));
+            }
+        }
+        self.ring = ring;
+        (self.key[v as usize], self.partner[v as usize]) = (best, partner);
+        self.state[v as usize] &= !EDGE_IS_STALE;
+        if !tried.is_empty() {
+            self.state[v as usize] |= BLOCKED;
+        }
+    }
+
+    fn weigh_edge(&mut self, a: u32, b: u32) -> Weighed {
+        self.refresh(a);
+        self.refresh(b);
+        let (sum_a, sum_b) = (&self.sums[a as usize], &self.sums[b as usize]);
+        let (from, to) = (self.work.positions[a as usize], self.work.positions[b as usize]);
+        let edge = to - from;
+        let [hold_a, hold_b] = [a, b].map(|v| self.work.holds[v as usize]);
+        if hold_a | hold_b == 0 {
+            let (place, cost) = best_place(sum_a, sum_b, edge);
+            return Weighed { cost: cost as f32, place: from + place };
+        }
+        match self.work.kept_end(a, b) {
+            Kept::First => Weighed { cost: sum_b.at(-edge) as f32, place: from },
+            Kept::Second => Weighed { cost: sum_a.at(edge) as f32, place: to },
+            Kept::Neither => {
+                let (place, cost) = best_place(sum_a, sum_b, edge);
+                Weighed { cost: cost as f32, place: from + place }
+            }
+            Kept::Both => Weighed { cost: f32::INFINITY, place: from },
+        }
+    }
+
+    /// Sums a vertex's planes anew if they have changed.
+    #[inline]
+    fn refresh(&mut self, v: u32) {
+        if self.state[v as usize] & SUM_IS_STALE != 0 {
+            let (sum, is_closed) = plane_sum(self.work, v);
+            self.sums[v as usize] = sum;
+            let state = &mut self.state[v as usize];
+            *state = *state & !(SUM_IS_STALE | IS_CLOSED) | if is_closed { IS_CLOSED } else { 0 };
+        }
+    }
+
+    fn compact(&mut self) {
+        let mut kept = 0;
+        let (sums, key, partner, state, sources) =
+            (&mut self.sums, &mut self.key, &mut self.partner, &mut self.state, &mut *self.sources);
+        self.work.compact(|v| {
+            let v = v as usize;
+            sums[kept] = sums[v];
+            key[kept] = key[v];
+            // partners have other numbers now
+            (partner[kept], state[kept]) = (u32::MAX, state[v] | EDGE_IS_STALE);
+            sources[kept] = sources[v];
+            kept += 1;
+        });
+        sums.truncate(kept);
+        key.truncate(kept);
+        partner.truncate(kept);
+        state.truncate(kept);
+        sources.truncate(kept);
+        self.gone = 0;
+    }
+}
+
+/// Which ends of an edge must stay where they are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kept {
+    Neither,
+    First,
+    Second,
+    Both,
+}
+
+/// The planes around a vertex, with the lines of its borders and creases; and whether its star is closed: then every
+/// neighbour is next in one triangle and last in another.
+fn plane_sum(work: &Work, v: u32) -> (PlaneSum, bool) {
+    let at = work.positions[v as usize];
+    let star = work.star(v);
+    let mut balance = 0u64;
+    let mut sum = PlaneSum::default();
+    for some in star.chunks(ABREAST) {
+        // triangles without area, which add nothing, fill the lanes up
+        let mut corners = [[0f32; ABREAST]; 6];
+        for (k, corner) in some.iter().enumerate() {
+            let [_, b, c] = corner.turned(&work.triangles);
+            balance = balance.wrapping_add(mixed(b)).wrapping_sub(mixed(c));
+            let (b, c) = (work.positions[b as usize] - at, work.positions[c as usize] - at);
+            for (lane, v) in corners.iter_mut().zip([b.x, b.y, b.z, c.x, c.y, c.z]) {
+                lane[k] = v as f32;
+            }
+        }
+        sum.add_triangles(&corners);
+    }
+    let is_closed = balance == 0;
+    if !is_closed || work.holds[v as usize] & hold::CREASE != 0 {
+        work.for_lines(v, |n| sum.add_line((work.positions[n as usize] - at).as_vec3(), LINE_WEIGHT));
+    }
+    (sum, is_closed)
+}
+
+/// Spreads a number over 64 bits so that sums of different numbers differ.
+fn mixed(v: u32) -> u64 {
+    let x = (u64::from(v) + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    (x ^ (x >> 29)).wrapping_mul(0xBF58_476D_1CE4_E5B9)
+}
+
+/// How much a border's line weighs beside a surface.
+const LINE_WEIGHT: f32 = 1.0;
