@@ -10,7 +10,7 @@
 
 use super::frame::MOST_CUTS;
 use super::piece::Piece;
-use super::tree::{Near, Tree};
+use super::tree::{NONE, Near, Tree};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -241,6 +241,10 @@ impl State {
         let mut upper2 = greatest(piece.near);
         if upper2 > self.threshold2 {
             let (centre, radius) = piece.ball();
+            // the way from triangle to triangle is shorter than through the tree
+            if piece.is_guess && !is_cut_no_more && self.cut_along(to, piece, radius) {
+                return;
+            }
             let found = to.nearest(centre, to.near(centre, piece.near));
             let far = Far { distance2: found.distance2, place: centre, face: piece.face, near: found.slot };
             if !self.see(far) {
@@ -253,7 +257,11 @@ impl State {
             if upper2 > self.threshold2 {
                 piece.near = found.slot;
                 if !is_cut_no_more {
-                    return self.cut(to, piece, radius);
+                    if !self.cut_along(to, piece, radius) {
+                        piece.is_guess = false;
+                        self.stack.extend(piece.halves());
+                    }
+                    return;
                 }
                 if let Goal::Within { .. } = self.goal {
                     return self.is_beyond(far);
@@ -263,22 +271,32 @@ impl State {
         self.upper2 = self.upper2.max(upper2);
     }
 
-    /// Cuts along the edges of the nearest triangle, or in half where they do not cross the piece.
-    fn cut(&mut self, to: &Tree, piece: Piece, radius: f64) {
+    /// Cuts along the edges of the triangle that the piece is near; its neighbours are the guesses for what lies outside. Not
+    /// where none of the edges crosses the piece.
+    fn cut_along(&mut self, to: &Tree, piece: Piece, radius: f64) -> bool {
         let [a, b, c] = to.triangles[piece.near as usize];
         let normal = (b - a).cross(c - a);
         let mut inside = piece;
         let mut is_cut = false;
-        for (from, along) in [(a, b - a), (b, c - b), (c, a - c)] {
+        for (k, (from, along)) in [(a, b - a), (b, c - b), (c, a - c)].into_iter().enumerate() {
             let outwards = along.cross(normal);
             let least = LEAST_CUT * radius * outwards.length();
-            if let Some([behind, before]) = inside.cut(from, outwards, least) {
+            if let Some([behind, mut before]) = inside.cut(from, outwards, least) {
+                let across = to.across[piece.near as usize][k];
+                before.is_guess = across != NONE;
+                if before.is_guess {
+                    before.near = across;
+                }
                 self.stack.push(before);
                 inside = behind;
                 is_cut = true;
             }
         }
-        if is_cut { self.stack.push(inside) } else { self.stack.extend(piece.halves()) }
+        if is_cut {
+            inside.is_guess = false;
+            self.stack.push(inside);
+        }
+        is_cut
     }
 }
 

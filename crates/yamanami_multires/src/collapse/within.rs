@@ -20,7 +20,9 @@ const TRIES: usize = 7;
 /// Tries in which only the worst place of a face is pinned.
 const SPARING_TRIES: usize = 3;
 
-/// A step that leaves more than this share of its faces beyond the limit went too far to be mended.
+/// A step that leaves more than this share of its faces beyond the limit went too far to be mended: the first step, whose pins
+/// are as fine as the source, and later ones.
+const MOST_BEYOND_FIRST: f64 = 0.002;
 const MOST_BEYOND: f64 = 0.1;
 
 /// The first step's largest estimate, by the limit, and how often it may be halved.
@@ -121,7 +123,7 @@ impl Search<'_> {
         let options = self.options;
         let mut estimate_m = options.max_error_m.min(self.limit_m * FIRST_ESTIMATE);
         for _ in 0..HALVINGS {
-            if self.step(options.target_faces, estimate_m) {
+            if self.step(options.target_faces, estimate_m, MOST_BEYOND_FIRST) {
                 break;
             }
             estimate_m *= 0.5;
@@ -134,7 +136,7 @@ impl Search<'_> {
     }
 
     /// Tries to take the best mesh further. Whether it did.
-    fn step(&mut self, target_faces: usize, max_error_m: f64) -> bool {
+    fn step(&mut self, mut target_faces: usize, max_error_m: f64, most_beyond: f64) -> bool {
         let mut locked = self.best.locked.clone();
         let before = &self.best.collapsed.mesh;
         let mut here = None;
@@ -157,7 +159,6 @@ impl Search<'_> {
             if found.mesh.triangles.len() >= before.triangles.len() {
                 return false;
             }
-            // another try must not make up elsewhere for what the pins hold
             max_error_m = max_error_m.min(found.estimate_m);
             let [of_source, of_found] = self.judge.faces_beyond(&found.mesh, self.limit_m);
             if of_source.is_empty() && of_found.is_empty() {
@@ -166,12 +167,13 @@ impl Search<'_> {
                 return true;
             }
             let bad = places_by_face(&of_source, &of_found, attempt < SPARING_TRIES);
-            if attempt == 0 && bad.len() as f64 > MOST_BEYOND * found.mesh.triangles.len() as f64 {
+            if attempt == 0 && bad.len() as f64 > most_beyond * found.mesh.triangles.len() as f64 {
                 return false;
             }
             let here = here.get_or_insert_with(|| Judge::new(before));
             let rings = attempt.saturating_sub(SPARING_TRIES);
-            pin(before, &here.nearest(&bad), rings, &mut locked);
+            // what the pins hold must not be made up for elsewhere
+            target_faces += pin(before, &here.nearest(&bad), rings, &mut locked);
         }
         false
     }
@@ -186,7 +188,7 @@ impl Search<'_> {
             if target.max(options.target_faces) >= faces {
                 break;
             }
-            if !self.step(target.max(options.target_faces), options.max_error_m) {
+            if !self.step(target.max(options.target_faces), options.max_error_m, MOST_BEYOND) {
                 share *= 0.5;
                 continue;
             }
@@ -222,8 +224,8 @@ fn places_by_face(of_source: &[Beyond], of_found: &[Beyond], worst_only: bool) -
     places.into_iter().map(|place| place.2).collect()
 }
 
-/// Locks the corners of some triangles and so many rings of neighbours.
-fn pin(mesh: &TriangleMesh, triangles: &[u32], rings: usize, locked: &mut [bool]) {
+/// Locks the corners of some triangles and so many rings of neighbours. How many vertices that locked.
+fn pin(mesh: &TriangleMesh, triangles: &[u32], rings: usize, locked: &mut [bool]) -> usize {
     let mut pinned = vec![false; locked.len()];
     for &t in triangles {
         mesh.triangles[t as usize].iter().for_each(|&v| pinned[v as usize] = true);
@@ -236,5 +238,10 @@ fn pin(mesh: &TriangleMesh, triangles: &[u32], rings: usize, locked: &mut [bool]
             }
         }
     }
-    locked.iter_mut().zip(pinned).for_each(|(locked, pinned)| *locked |= pinned);
+    let mut count = 0;
+    for (locked, pinned) in locked.iter_mut().zip(pinned) {
+        count += usize::from(pinned && !*locked);
+        *locked |= pinned;
+    }
+    count
 }
