@@ -4,6 +4,7 @@
 //! wavelet, its guaranteed vertical errors, and the surface that emits any parent-closed front of it. This crate never
 //! sees a view, a frame, a file or a GPU.
 
+pub mod bound;
 pub mod collapse;
 mod error;
 pub mod wavelet;
