@@ -134,10 +134,8 @@ fn errors(surface: &ClusterSurface, mesh: &TriangleMesh) {
     for share in [3e-2, 1e-2, 3e-3, 1e-3, 3e-4] {
         let tolerance_m = (share * diagonal) as f32;
         let front = surface.mesh_of(&|n: NodeId| surface.error_m(n) > tolerance_m);
-        let promised = (0..surface.node_bound())
-            .map(|n| surface.error_m(n))
-            .filter(|&e| e <= tolerance_m)
-            .fold(0f32, f32::max);
+        let promised =
+            (0..surface.node_bound()).map(|n| surface.error_m(n)).filter(|&e| e <= tolerance_m).fold(0f32, f32::max);
         let measured = surface_distance(mesh, &front, 300_000, 1);
         println!(
             "tolerance {share:.0e}: {} triangles, promised {:.2e}, measured at most {:.2e}, RMS {:.2e}",

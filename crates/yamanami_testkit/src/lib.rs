@@ -11,6 +11,7 @@ mod front;
 mod holes;
 pub mod laws;
 pub mod rng;
+mod solid;
 mod strict_sink;
 mod terrain;
 
@@ -18,5 +19,6 @@ pub use conforming::check_conforming;
 pub use front::{RandomFront, Step};
 pub use holes::Holes;
 pub use rng::Rng;
+pub use solid::{ball, ring, torus};
 pub use strict_sink::StrictSink;
 pub use terrain::{Shape, Spacing, SyntheticTerrain};
