@@ -5,6 +5,7 @@
 //! sees a view, a frame, a file or a GPU.
 
 pub mod bound;
+pub mod cluster;
 pub mod collapse;
 mod error;
 pub mod wavelet;

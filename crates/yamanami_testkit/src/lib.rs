@@ -14,6 +14,7 @@ pub mod laws;
 pub mod models;
 mod pagoda;
 pub mod rng;
+mod solid;
 mod strict_sink;
 mod terrain;
 
@@ -22,5 +23,6 @@ pub use front::{RandomFront, Step};
 pub use holes::Holes;
 pub use pagoda::{Pagoda, Region};
 pub use rng::Rng;
+pub use solid::{ball, ring, torus};
 pub use strict_sink::StrictSink;
 pub use terrain::{Shape, Spacing, SyntheticTerrain};
