@@ -18,6 +18,9 @@ mod ply_header;
 mod ply_read;
 mod ply_write;
 mod stl;
+mod stream;
+
+pub use stream::{MeshStream, TriangleSink, VertexRun, VertexSink};
 
 use crate::IoError;
 use std::io::Read;
