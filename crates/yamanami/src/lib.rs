@@ -20,6 +20,7 @@ mod extract;
 mod field;
 mod flight;
 mod flight_report;
+mod large;
 mod path;
 mod reproduce;
 mod scene;
@@ -34,6 +35,7 @@ pub use error::Error;
 pub use extract::{Extracted, Frame, extract, to_frame};
 pub use flight::{FlightMode, FlightOptions, FrameStats, Lod, fly};
 pub use flight_report::{FlightSummary, summary, write_flight_plots};
+pub use large::{LargeOptions, LargeReport, LargeTarget, reduce_large};
 pub use path::{CameraPath, orbit, read_path, valley_run, write_path};
 
 pub use reproduce::hashida;

@@ -113,7 +113,15 @@ pub fn collapse(mesh: &TriangleMesh, options: &CollapseOptions<'_>) -> Collapsed
     let mut work = Work::new(mesh, options.locked);
     let max_error = options.max_error_m / work.metres_a_unit();
     let (stopped_by, estimate) = garland::run(&mut work, options, max_error);
-    let (positions, triangles, sources) = work.finish();
+    let (mut positions, triangles, sources) = work.finish();
+    if let Some(locked) = options.locked {
+        // to the unit box and back may cost the last bit, and a neighbour's copy of the vertex would not follow
+        for (place, &source) in positions.iter_mut().zip(&sources) {
+            if locked[source as usize] {
+                *place = mesh.positions[source as usize];
+            }
+        }
+    }
     let moved = |(place, &source): (&glam::DVec3, &u32)| {
         if *place == mesh.positions[source as usize] { source } else { u32::MAX }
     };
