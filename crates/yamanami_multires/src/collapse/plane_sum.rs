@@ -76,10 +76,10 @@ impl PlaneSum {
         f64::from(self.form[0]) + f64::from(self.form[1]) + f64::from(self.form[2])
     }
 
-    /// The form's value at `p` relative to the vertex.
+    /// The form's value at `p` relative to the vertex; rounding never makes it negative.
     #[inline]
     pub(super) fn at(&self, p: DVec3) -> f64 {
-        value(&self.form(), p)
+        value(&self.form(), p).max(0.0)
     }
 }
 
