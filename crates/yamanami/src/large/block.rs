@@ -36,11 +36,11 @@ struct Block {
     /// Own vertices on seams: number here and on the seams.
     seam: Vec<[u32; 2]>,
     locked: Vec<bool>,
-    /// Faces between it and others.
-    between: usize,
+    /// Faces that a collapse cannot take: those between it and others, and own ones with an edge on a seam.
+    fixed: usize,
 }
 
-/// Reduces all blocks to about `goal` faces in sum and joins them.
+/// Reduces all blocks to about `goal` faces in sum, not counting what seams hold, and joins them.
 pub(super) fn reduce_all(
     parts: &Partition,
     goal: u64,
@@ -51,7 +51,7 @@ pub(super) fn reduce_all(
     let blocks = parts.blocks();
     let mut pieces = Pieces::create(folder, blocks, parts.has_colours())?;
     let own_faces: u64 = parts.own_faces.iter().sum();
-    let share = goal.saturating_sub(parts.seam_faces) as f64 / own_faces.max(1) as f64;
+    let share = goal as f64 / own_faces.max(1) as f64;
     let (next, done, has_failed) = (AtomicUsize::new(0), AtomicUsize::new(0), AtomicBool::new(false));
     let seams: Vec<Mutex<Result<Vec<[u32; 2]>, IoError>>> = (0..blocks).map(|_| Mutex::new(Ok(Vec::new()))).collect();
     let work = || {
@@ -113,11 +113,11 @@ fn reduce_one(
     pieces: &Pieces,
     desk: &mut Desk,
 ) -> Result<Vec<[u32; 2]>, IoError> {
-    let Block { mesh, own, seam, locked, between } = read(parts, block, desk)?;
+    let Block { mesh, own, seam, locked, fixed } = read(parts, block, desk)?;
     let quiet = |_: f32| ();
     let collapsed = collapse(
         &mesh,
-        &CollapseOptions { locked: Some(&locked), ..collapse_options(options, (target + between) as u64, &quiet) },
+        &CollapseOptions { locked: Some(&locked), ..collapse_options(options, (target + fixed) as u64, &quiet) },
     );
     let mut on_seam = vec![u32::MAX; own];
     for &[here, there] in &seam {
@@ -178,12 +178,10 @@ fn read(parts: &Partition, block: usize, desk: &mut Desk) -> Result<Block, IoErr
     })?;
     numbering.count();
     let mut others: HashMap<u32, u32> = HashMap::new();
-    let mut between = 0;
+    let mut fixed = 0;
     parts.each_triangle(block, buffer, |t| {
-        let mut is_between = false;
-        mesh.triangles.push(t.map(|vertex| {
+        let corners = t.map(|vertex| {
             numbering.rank(vertex).unwrap_or_else(|| {
-                is_between = true;
                 *others.entry(vertex).or_insert_with(|| {
                     let rank = parts.seam.rank(vertex).unwrap_or_default() as usize;
                     mesh.positions.push(parts.seam_positions[rank]);
@@ -192,9 +190,10 @@ fn read(parts: &Partition, block: usize, desk: &mut Desk) -> Result<Block, IoErr
                     mesh.positions.len() as u32 - 1
                 })
             })
-        }));
-        between += usize::from(is_between);
+        });
+        fixed += usize::from(corners.iter().filter(|&&v| locked[v as usize]).count() >= 2);
+        mesh.triangles.push(corners);
         Ok(())
     })?;
-    Ok(Block { mesh, own, seam, locked, between })
+    Ok(Block { mesh, own, seam, locked, fixed })
 }

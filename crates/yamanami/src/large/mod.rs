@@ -123,8 +123,9 @@ impl Source for MeshStream {
     }
 }
 
-/// How many faces beside the target the blocks leave to the last collapse, which may choose among them.
-const FREEDOM: u64 = 4;
+/// How many times the target the blocks leave to the last collapse, which chooses among them: what is enough, and what is
+/// wanted where memory allows.
+const FREEDOM: [u64; 2] = [4, 8];
 
 /// Reduces the mesh in `input` to a target and writes it to `output`. A mesh that fits into the memory allowed is
 /// reduced as a whole. Only PLY files may be larger. `progress` hears of the share done, 0 to 1.
@@ -176,7 +177,7 @@ pub fn reduce_large(
         }
         report.blocks.push(parts.blocks());
         report.seam_faces += parts.seam_faces;
-        let goal = (FREEDOM * report.target_faces).min(plan.most_faces() / 10 * 9);
+        let goal = plan.goal(FREEDOM.map(|times| times * report.target_faces), parts.seam_faces);
         let next = block::reduce_all(&parts, goal, options, folder, &|share| progress(0.2 + share * 0.6))?;
         report.scratch_bytes = report.scratch_bytes.max(parts.scratch_bytes() + next.scratch_bytes());
         if next.faces() > before / 10 * 9 && next.faces() > plan.most_faces() {

@@ -63,6 +63,14 @@ impl Plan {
         ((self.usable() / 8) as usize / streams).clamp(1 << 12, 1 << 18)
     }
 
+    /// How many faces blocks should leave to the collapse of all of them: the second number where it fits with what seams
+    /// hold, else what fits, but not less than the first: then another round makes it fit, with seams elsewhere.
+    pub(super) fn goal(&self, [enough, wanted]: [u64; 2], seam_faces: u64) -> u64 {
+        // each face between blocks has an edge with a face of a block
+        let held = 2 * seam_faces;
+        wanted.min(self.most_faces().saturating_sub(held) / 10 * 9).max(enough.min(self.most_faces() / 10 * 9))
+    }
+
     /// Refuses seams that leave no room for blocks.
     pub(super) fn check_seam(&self, on_seams: u64, vertices: u64) -> Result<(), Error> {
         // kept while blocks are at work: place, colour, number in its piece
