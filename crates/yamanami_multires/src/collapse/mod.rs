@@ -6,12 +6,14 @@
 
 mod appearance;
 mod garland;
+mod lanes;
 mod order;
 mod plane_sum;
 mod prepare;
 mod quadric;
 mod rounds;
 mod stars;
+mod surroundings;
 mod work;
 
 use prepare::Prepared;
