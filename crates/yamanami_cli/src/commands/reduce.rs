@@ -140,7 +140,7 @@ pub(crate) fn run(args: &ReduceArgs) -> Result<(), Failure> {
 fn views(args: &ReduceArgs, mesh: &TriangleMesh, size_px: [u32; 2]) -> Vec<View> {
     match (args.eye.eye, args.eye.target) {
         (Some(eye), Some(target)) => vec![model_camera(eye, target, args.fov, size_px)],
-        _ => model_views(mesh.bounds(), args.views.unwrap_or(1), size_px),
+        _ => model_views(&mesh.positions, args.views.unwrap_or(1), size_px),
     }
 }
 

@@ -39,7 +39,7 @@ fn view(args: &RenderArgs, mesh: &TriangleMesh) -> View {
     match (args.eye.eye, args.eye.target) {
         (Some(eye), Some(target)) => model_camera(eye, target, args.lens.fov, size),
         _ => {
-            let view = model_views(mesh.bounds(), 1, size)[0];
+            let view = model_views(&mesh.positions, 1, size)[0];
             View { fov_y_rad: args.lens.fov.unwrap_or(view.fov_y_rad), ..view }
         }
     }

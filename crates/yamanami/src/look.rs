@@ -1,0 +1,161 @@
+//! The smallest mesh that looks the same: reduced models are drawn beside the source and the pictures compared.
+//!
+//! What counts as the same, and why, is in `docs/decisions/0007-looks-the-same.md`.
+
+use crate::model_picture::{model_pixels, model_style};
+use crate::{Canvas, DrawWith, Error, MODEL_BACKGROUND, Reduced, ReducedBy, reduce};
+use image::RgbaImage;
+use yamanami_core::{TriangleMesh, View};
+use yamanami_gpu::RenderOptions;
+use yamanami_measure::{FLIP_PIXELS_PER_DEGREE, ModelDifference, model_difference};
+use yamanami_multires::collapse::{CollapseOptions, Method};
+
+/// Limits below which two pictures of a model look the same.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LookLimits {
+    /// Largest mean FLIP over the covered pixels.
+    pub flip_mean: f64,
+    /// Largest FLIP that one covered pixel in a hundred may exceed.
+    pub flip_p99: f64,
+    /// Least mean SSIM over the covered pixels.
+    pub ssim: f64,
+}
+
+impl Default for LookLimits {
+    fn default() -> Self {
+        Self { flip_mean: 0.03, flip_p99: 0.10, ssim: 0.98 }
+    }
+}
+
+impl LookLimits {
+    /// Whether a difference cannot be seen.
+    pub fn hold(&self, difference: &ModelDifference) -> bool {
+        difference.flip_mean <= self.flip_mean && difference.flip_p99 <= self.flip_p99 && difference.ssim >= self.ssim
+    }
+}
+
+/// A model's pictures, to hold others against.
+#[derive(Debug)]
+pub struct Original {
+    views: Vec<View>,
+    pictures: Vec<RgbaImage>,
+    antialias: bool,
+    flat: bool,
+    with: DrawWith,
+}
+
+impl Original {
+    /// Draws a model in every view.
+    pub fn new(
+        mesh: &TriangleMesh,
+        views: &[View],
+        antialias: bool,
+        flat: bool,
+        with: DrawWith,
+    ) -> Result<Self, Error> {
+        let mut original = Self { views: views.to_vec(), pictures: Vec::new(), antialias, flat, with };
+        original.pictures = original.draw(mesh)?;
+        Ok(original)
+    }
+
+    /// The pictures, view by view.
+    pub fn pictures(&self) -> &[RgbaImage] {
+        &self.pictures
+    }
+
+    /// Pictures of another model, drawn alike.
+    pub fn draw(&self, mesh: &TriangleMesh) -> Result<Vec<RgbaImage>, Error> {
+        let mut canvas = Canvas::of_mesh(mesh, self.with)?;
+        let style = RenderOptions { antialias: self.antialias, flat: self.flat, ..model_style(mesh) };
+        self.views.iter().map(|view| canvas.draw(view, &style)).collect()
+    }
+
+    /// How far pictures are from the model's own, view by view.
+    pub fn differences(&self, pictures: &[RgbaImage]) -> Result<Vec<ModelDifference>, Error> {
+        let compare = |(own, other)| Ok(model_difference(own, other, MODEL_BACKGROUND, FLIP_PIXELS_PER_DEGREE)?);
+        self.pictures.iter().zip(pictures).map(compare).collect()
+    }
+}
+
+/// The worst of each measure over several views.
+pub fn worst_of(differences: &[ModelDifference]) -> Option<ModelDifference> {
+    differences.iter().copied().reduce(|mut worst, d| {
+        worst.covered_px += d.covered_px;
+        worst.silhouette_px += d.silhouette_px;
+        worst.flip_mean = worst.flip_mean.max(d.flip_mean);
+        worst.flip_p99 = worst.flip_p99.max(d.flip_p99);
+        worst.ssim = worst.ssim.min(d.ssim);
+        worst.psnr_db = worst.psnr_db.min(d.psnr_db);
+        worst
+    })
+}
+
+/// A mesh tried on the way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Probe {
+    /// Its faces.
+    pub faces: usize,
+    /// The worst of the views.
+    pub difference: ModelDifference,
+    /// Whether it looks the same.
+    pub same: bool,
+}
+
+/// The smallest mesh found that looks the same.
+#[derive(Debug, Clone)]
+pub struct LookSame {
+    /// The mesh.
+    pub reduced: Reduced,
+    /// The pixels that the source covers, view by view.
+    pub covered_px: Vec<u64>,
+    /// What was tried, in order.
+    pub probes: Vec<Probe>,
+    /// Its difference from the source, the worst of the views; `None` where nothing smaller looks the same.
+    pub difference: Option<ModelDifference>,
+}
+
+/// The search ends when the mesh that looks the same is less than so many times the one that does not.
+const CLOSE_ENOUGH: f64 = 1.08;
+/// No mesh of fewer faces is tried.
+const FEWEST_FACES: usize = 16;
+
+/// Searches for the smallest mesh that looks the same in all views, by halving the ratio of the two counts between which
+/// it lies. A probe starts from the smallest mesh that still looked the same, so that probes cost less and less; the
+/// paper's own collapse, whose quadrics remember the source, starts from the source each time. `progress` hears of each
+/// probe.
+pub fn look_same(
+    mesh: TriangleMesh,
+    views: &[View],
+    limits: LookLimits,
+    method: Method,
+    progress: &dyn Fn(&Probe),
+) -> Result<LookSame, Error> {
+    let original = Original::new(&mesh, views, true, false, DrawWith::Auto)?;
+    let covered_px = model_pixels(&Canvas::of_mesh(&mesh, DrawWith::Software)?, views)?;
+    let source = (method == Method::Garland97).then(|| mesh.clone());
+    let mut best = Reduced { mesh, by: ReducedBy::Nothing, estimate_m: 0.0 };
+    let (mut probes, mut difference, mut fails) = (Vec::new(), None, FEWEST_FACES);
+    while best.mesh.triangles.len() as f64 > fails as f64 * CLOSE_ENOUGH {
+        let same = best.mesh.triangles.len();
+        let target_faces = ((same as f64 * fails as f64).sqrt().round() as usize).clamp(fails, same - 1);
+        let from = source.as_ref().unwrap_or(&best.mesh).clone();
+        let tried = reduce(from, &CollapseOptions { target_faces, method, ..CollapseOptions::default() });
+        let pictures = original.draw(&tried.mesh)?;
+        let Some(worst) = worst_of(&original.differences(&pictures)?) else { break };
+        let probe = Probe { faces: tried.mesh.triangles.len(), difference: worst, same: limits.hold(&worst) };
+        progress(&probe);
+        probes.push(probe);
+        if !probe.same {
+            fails = target_faces;
+        } else if probe.faces < same {
+            // a collapse that the surface stopped goes no further next time
+            fails = if tried.by == ReducedBy::Topology { probe.faces } else { fails };
+            difference = Some(worst);
+            let estimate_m = best.estimate_m.max(tried.estimate_m);
+            best = Reduced { by: ReducedBy::Faces, estimate_m, ..tried };
+        } else {
+            break;
+        }
+    }
+    Ok(LookSame { reduced: best, covered_px, probes, difference })
+}
