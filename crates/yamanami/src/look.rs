@@ -133,29 +133,97 @@ pub fn look_same(
     let original = Original::new(&mesh, views, true, false, DrawWith::Auto)?;
     let covered_px = model_pixels(&Canvas::of_mesh(&mesh, DrawWith::Software)?, views)?;
     let source = (method == Method::Garland97).then(|| mesh.clone());
-    let mut best = Reduced { mesh, by: ReducedBy::Nothing, estimate_m: 0.0 };
-    let (mut probes, mut difference, mut fails) = (Vec::new(), None, FEWEST_FACES);
-    while best.mesh.triangles.len() as f64 > fails as f64 * CLOSE_ENOUGH {
-        let same = best.mesh.triangles.len();
-        let target_faces = ((same as f64 * fails as f64).sqrt().round() as usize).clamp(fails, same - 1);
-        let from = source.as_ref().unwrap_or(&best.mesh).clone();
-        let tried = reduce(from, &CollapseOptions { target_faces, method, ..CollapseOptions::default() });
-        let pictures = original.draw(&tried.mesh)?;
-        let Some(worst) = worst_of(&original.differences(&pictures)?) else { break };
-        let probe = Probe { faces: tried.mesh.triangles.len(), difference: worst, same: limits.hold(&worst) };
-        progress(&probe);
-        probes.push(probe);
-        if !probe.same {
-            fails = target_faces;
-        } else if probe.faces < same {
-            // a collapse that the surface stopped goes no further next time
-            fails = if tried.by == ReducedBy::Topology { probe.faces } else { fails };
-            difference = Some(worst);
-            let estimate_m = best.estimate_m.max(tried.estimate_m);
-            best = Reduced { by: ReducedBy::Faces, estimate_m, ..tried };
-        } else {
-            break;
+    let start = Reduced { mesh, by: ReducedBy::Nothing, estimate_m: 0.0 };
+    let search = Search { original: &original, limits, method, source: source.as_ref() };
+    let (reduced, difference, probes) = search.between(start, FEWEST_FACES, progress)?;
+    Ok(LookSame { reduced, covered_px, probes, difference })
+}
+
+/// The search itself.
+pub(crate) struct Search<'a> {
+    pub(crate) original: &'a Original,
+    pub(crate) limits: LookLimits,
+    pub(crate) method: Method,
+    /// Where probes start, if not from the mesh before.
+    pub(crate) source: Option<&'a TriangleMesh>,
+}
+
+impl Search<'_> {
+    /// Between a mesh that looks the same and a count that is too small.
+    pub(crate) fn between(
+        &self,
+        mut best: Reduced,
+        mut fails: usize,
+        progress: &dyn Fn(&Probe),
+    ) -> Result<(Reduced, Option<ModelDifference>, Vec<Probe>), Error> {
+        let (mut probes, mut difference) = (Vec::new(), None);
+        while best.mesh.triangles.len() as f64 > fails as f64 * CLOSE_ENOUGH {
+            let same = best.mesh.triangles.len();
+            let target_faces = ((same as f64 * fails as f64).sqrt().round() as usize).clamp(fails, same - 1);
+            let from = self.source.unwrap_or(&best.mesh).clone();
+            let options = CollapseOptions { target_faces, method: self.method, ..CollapseOptions::default() };
+            let tried = reduce(from, &options);
+            let pictures = self.original.draw(&tried.mesh)?;
+            let Some(worst) = worst_of(&self.original.differences(&pictures)?) else { break };
+            let probe = Probe { faces: tried.mesh.triangles.len(), difference: worst, same: self.limits.hold(&worst) };
+            progress(&probe);
+            probes.push(probe);
+            if !probe.same {
+                fails = target_faces;
+            } else if probe.faces < same {
+                // a collapse that the surface stopped goes no further next time
+                fails = if tried.by == ReducedBy::Topology { probe.faces } else { fails };
+                difference = Some(worst);
+                let estimate_m = best.estimate_m.max(tried.estimate_m);
+                best = Reduced { by: ReducedBy::Faces, estimate_m, ..tried };
+            } else {
+                break;
+            }
         }
+        Ok((best, difference, probes))
     }
-    Ok(LookSame { reduced: best, covered_px, probes, difference })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model_views;
+    use glam::DVec3;
+
+    /// A lumpy sheet of so many squares a side.
+    fn sheet(cells: u32) -> TriangleMesh {
+        let mut mesh = TriangleMesh::default();
+        let at = |x: u32, y: u32| y * (cells + 1) + x;
+        for y in 0..=cells {
+            for x in 0..=cells {
+                let (u, v) = (f64::from(x) / f64::from(cells), f64::from(y) / f64::from(cells));
+                mesh.positions.push(DVec3::new(u, v, 0.06 * (9.0 * u).sin() * (7.0 * v).cos()));
+                if x < cells && y < cells {
+                    mesh.triangles.push([at(x, y), at(x + 1, y), at(x + 1, y + 1)]);
+                    mesh.triangles.push([at(x, y), at(x + 1, y + 1), at(x, y + 1)]);
+                }
+            }
+        }
+        mesh
+    }
+
+    #[test]
+    fn the_smallest_mesh_that_looks_the_same_does_and_smaller_ones_do_not() {
+        let mesh = sheet(60);
+        let views = model_views(&mesh.positions, 2, [128, 96]);
+        let limits = LookLimits::default();
+        let found = look_same(mesh.clone(), &views, limits, Method::Memoryless, &|_| ()).unwrap();
+        let faces = found.reduced.mesh.triangles.len();
+        assert!(faces < mesh.triangles.len() / 2, "{faces}");
+        let original = Original::new(&mesh, &views, true, false, DrawWith::Software).unwrap();
+        let pictures = original.draw(&found.reduced.mesh).unwrap();
+        assert!(limits.hold(&worst_of(&original.differences(&pictures).unwrap()).unwrap()));
+        let largest_failing = found.probes.iter().filter(|p| !p.same).map(|p| p.faces).max();
+        assert!(largest_failing.is_some_and(|f| f < faces), "{:?}", found.probes);
+        // no picture differs by less than nothing
+        let strict = LookLimits { flip_mean: -1.0, ..limits };
+        let same = look_same(mesh.clone(), &views, strict, Method::Memoryless, &|_| ()).unwrap();
+        assert_eq!((same.reduced.by, same.difference), (ReducedBy::Nothing, None));
+        assert_eq!(same.reduced.mesh, mesh);
+    }
 }

@@ -1,0 +1,236 @@
+//! The side of a model that no view sees: cut away, and the cut closed.
+//!
+//! Based on: Mizuno, Okumoto, Takata, Joe, who replace the back of a building by one polygon.
+
+use crate::polygon::cut_into_triangles;
+use crate::{Canvas, DrawWith, Error};
+use std::collections::HashMap;
+use yamanami_core::{TriangleMesh, View};
+use yamanami_gpu::{software, vertex_normals};
+
+/// A closing polygon that shows at more samples of a view than this (four a pixel) is left out.
+const MOST_SAMPLES_SHOWN: u64 = 16;
+
+/// A model without the side that no view sees.
+#[derive(Debug, Clone)]
+pub struct SeenSide {
+    /// What is left.
+    pub mesh: TriangleMesh,
+    /// Faces taken away.
+    pub hidden_faces: usize,
+}
+
+/// Takes away what no view sees, but for one ring of triangles around what is seen. Of triangles smaller than a pixel those
+/// stay that are not clearly behind others.
+pub fn seen_side(mesh: &TriangleMesh, views: &[View]) -> Result<SeenSide, Error> {
+    let canvas = Canvas::of_mesh(mesh, DrawWith::Software)?;
+    let mut is_seen = vec![false; mesh.triangles.len()];
+    for view in views {
+        let seen = software::visibility(canvas.buffers(), view)?.may_be_seen;
+        is_seen.iter_mut().zip(seen).for_each(|(all, one)| *all |= one);
+    }
+    let mut near = vec![false; mesh.positions.len()];
+    for (corners, _) in mesh.triangles.iter().zip(&is_seen).filter(|&(_, &seen)| seen) {
+        corners.iter().for_each(|&c| near[c as usize] = true);
+    }
+    let kept: Vec<bool> = mesh.triangles.iter().map(|corners| corners.iter().any(|&c| near[c as usize])).collect();
+    let hidden_faces = kept.iter().filter(|&&kept| !kept).count();
+    Ok(SeenSide { mesh: part_of(mesh, &kept), hidden_faces })
+}
+
+/// The triangles that are kept, with the vertices they use and all their attributes.
+fn part_of(mesh: &TriangleMesh, kept: &[bool]) -> TriangleMesh {
+    let mut number = vec![u32::MAX; mesh.positions.len()];
+    let mut sources = Vec::new();
+    let mut triangles = Vec::new();
+    for (corners, _) in mesh.triangles.iter().zip(kept).filter(|&(_, &kept)| kept) {
+        triangles.push(corners.map(|c| {
+            let number = &mut number[c as usize];
+            if *number == u32::MAX {
+                *number = sources.len() as u32;
+                sources.push(c as usize);
+            }
+            *number
+        }));
+    }
+    fn picked<T: Copy>(all: &[T], sources: &[usize]) -> Vec<T> {
+        sources.iter().filter_map(|&s| all.get(s).copied()).collect()
+    }
+    let material_of = mesh.material_of.iter().zip(kept).filter(|&(_, &kept)| kept).map(|(&m, _)| m).collect();
+    TriangleMesh {
+        positions: picked(&mesh.positions, &sources),
+        triangles,
+        normals: picked(&mesh.normals, &sources),
+        colours: picked(&mesh.colours, &sources),
+        texcoords: picked(&mesh.texcoords, &sources),
+        materials: mesh.materials.clone(),
+        material_of,
+    }
+}
+
+/// How a cut was closed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Closing {
+    /// Polygons put in.
+    pub polygons: usize,
+    /// Corners of the largest.
+    pub largest: usize,
+    /// Triangles they were cut into.
+    pub faces: usize,
+    /// Borders left open, because their polygon would show: holes of the source, or a cut that bulges.
+    pub left_open: usize,
+}
+
+/// Triangles that closing every border of a mesh takes: an upper bound, as some may be left open.
+pub fn closing_faces(mesh: &TriangleMesh) -> usize {
+    borders(mesh).iter().map(|border| border.len() - 2).sum()
+}
+
+/// Closes every border of a mesh by one polygon, unless that would show in a view. The mesh keeps the normals that it had
+/// open, so that the closing polygons do not bend the light on what is seen.
+pub fn close(mut mesh: TriangleMesh, views: &[View]) -> Result<(TriangleMesh, Closing), Error> {
+    let borders = borders(&mesh);
+    if mesh.normals.is_empty() {
+        mesh.normals = vertex_normals(&mesh);
+    }
+    let open = mesh.triangles.len();
+    let mut polygon_of = Vec::new();
+    for (number, border) in borders.iter().enumerate() {
+        // where one view is given, the polygon is laid out as that sees it: then it covers nothing beside the model
+        let triangles = cut_into_triangles(&mesh.positions, border, views);
+        polygon_of.resize(polygon_of.len() + triangles.len(), number);
+        mesh.triangles.extend(triangles);
+    }
+    let mut shown = vec![0u64; borders.len()];
+    let canvas = Canvas::of_mesh(&mesh, DrawWith::Software)?;
+    for view in views {
+        let mut in_view = vec![0u64; borders.len()];
+        let samples = software::visibility(canvas.buffers(), view)?.samples;
+        for (&polygon, &samples) in polygon_of.iter().zip(&samples[open..]) {
+            in_view[polygon] += u64::from(samples);
+        }
+        shown.iter_mut().zip(in_view).for_each(|(most, one)| *most = (*most).max(one));
+    }
+    let stays = |polygon: usize| shown[polygon] <= MOST_SAMPLES_SHOWN;
+    let closing = Closing {
+        polygons: (0..borders.len()).filter(|&polygon| stays(polygon)).count(),
+        largest: (0..borders.len()).filter(|&polygon| stays(polygon)).map(|polygon| borders[polygon].len()).max().unwrap_or(0),
+        faces: polygon_of.iter().filter(|&&polygon| stays(polygon)).count(),
+        left_open: (0..borders.len()).filter(|&polygon| !stays(polygon)).count(),
+    };
+    let mut number = 0;
+    mesh.triangles.retain(|_| {
+        number += 1;
+        number <= open || stays(polygon_of[number - open - 1])
+    });
+    if !mesh.material_of.is_empty() {
+        mesh.material_of.resize(mesh.triangles.len(), 0);
+    }
+    Ok((mesh, closing))
+}
+
+/// The borders of a mesh as rings of vertices, turned so that a polygon on them faces out where the mesh does.
+fn borders(mesh: &TriangleMesh) -> Vec<Vec<u32>> {
+    let mut sides: HashMap<[u32; 2], u32> = HashMap::new();
+    for corners in &mesh.triangles {
+        for k in 0..3 {
+            *sides.entry([corners[k], corners[(k + 1) % 3]]).or_default() += 1;
+        }
+    }
+    // a border runs against the sides of its triangles
+    let mut after: HashMap<u32, Vec<u32>> = HashMap::new();
+    let mut starts = Vec::new();
+    for corners in &mesh.triangles {
+        for k in 0..3 {
+            let (from, to) = (corners[k], corners[(k + 1) % 3]);
+            if sides[&[from, to]] == 1 && !sides.contains_key(&[to, from]) {
+                after.entry(to).or_default().push(from);
+                starts.push(to);
+            }
+        }
+    }
+    let mut rings = Vec::new();
+    for start in starts {
+        // where borders touch in a vertex, each ring ends when it comes back to a vertex that it has
+        let mut ring = vec![start];
+        let mut place: HashMap<u32, usize> = HashMap::from([(start, 0)]);
+        while let Some(next) = ring.last().and_then(|last| after.get_mut(last)).and_then(Vec::pop) {
+            if let Some(&first) = place.get(&next) {
+                let closed = ring.split_off(first);
+                closed.iter().for_each(|v| _ = place.remove(v));
+                if closed.len() > 2 {
+                    rings.push(closed);
+                }
+            }
+            place.insert(next, ring.len());
+            ring.push(next);
+        }
+    }
+    rings
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model_views;
+    use glam::DVec3;
+
+    /// A ball of so many rings of twice as many squares.
+    fn ball(rings: u32) -> TriangleMesh {
+        let (mut mesh, across) = (TriangleMesh::default(), 2 * rings);
+        let at = |ring: u32, k: u32| 2 + (ring - 1) * across + k % across;
+        mesh.positions = vec![DVec3::Z, -DVec3::Z];
+        for ring in 1..rings {
+            let polar = std::f64::consts::PI * f64::from(ring) / f64::from(rings);
+            for k in 0..across {
+                let azimuth = std::f64::consts::TAU * f64::from(k) / f64::from(across);
+                mesh.positions.push(DVec3::new(
+                    polar.sin() * azimuth.cos(),
+                    polar.sin() * azimuth.sin(),
+                    polar.cos(),
+                ));
+            }
+        }
+        for k in 0..across {
+            mesh.triangles.push([0, at(1, k), at(1, k + 1)]);
+            mesh.triangles.push([1, at(rings - 1, k + 1), at(rings - 1, k)]);
+            for ring in 1..rings - 1 {
+                let [a, b, c, d] = [at(ring, k), at(ring, k + 1), at(ring + 1, k), at(ring + 1, k + 1)];
+                mesh.triangles.extend([[a, c, d], [a, d, b]]);
+            }
+        }
+        mesh
+    }
+
+    #[test]
+    fn the_back_of_a_ball_becomes_one_polygon_that_does_not_show() {
+        let ball = ball(24);
+        assert!(borders(&ball).is_empty());
+        let views = model_views(&ball.positions, 1, [160, 120]);
+        let seen = seen_side(&ball, &views).unwrap();
+        let share = seen.hidden_faces as f64 / ball.triangles.len() as f64;
+        assert!(share > 0.35 && share < 0.6, "{share}");
+        assert_eq!(borders(&seen.mesh).len(), 1);
+        let before = Canvas::of_mesh(&seen.mesh, DrawWith::Software).unwrap();
+        let (closed, closing) = close(seen.mesh.clone(), &views).unwrap();
+        assert_eq!((closing.polygons, closing.left_open), (1, 0));
+        assert_eq!(closing.faces, closing.largest - 2);
+        assert_eq!(closing_faces(&seen.mesh), closing.faces);
+        assert!(borders(&closed).is_empty(), "closed");
+        let after = Canvas::of_mesh(&closed, DrawWith::Software).unwrap();
+        let covered = |canvas: &Canvas| software::covered_pixels(canvas.buffers(), &views[0]).unwrap();
+        assert_eq!(covered(&before), covered(&after));
+    }
+
+    #[test]
+    fn from_all_sides_nothing_is_hidden_and_a_hole_that_shows_stays() {
+        let mut ball = ball(16);
+        let views = model_views(&ball.positions, 8, [160, 120]);
+        // from no view the south pole is seen
+        assert!(seen_side(&ball, &views).unwrap().hidden_faces < ball.triangles.len() / 3);
+        ball.triangles.retain(|corners| !corners.contains(&0));
+        let (open, closing) = close(ball.clone(), &views).unwrap();
+        assert_eq!((closing.polygons, closing.left_open), (0, 1));
+        assert_eq!(open.triangles, ball.triangles);
+    }
+}
