@@ -6,6 +6,7 @@
 
 mod appearance;
 mod garland;
+mod lanes;
 mod order;
 mod plane_sum;
 mod prepare;

@@ -2,6 +2,7 @@
 //!
 //! Based on: Morton, "A computer oriented geodetic data base and a new technique in file sequencing", 1966.
 
+use super::prepare::BOX;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -9,7 +10,7 @@ use rayon::prelude::*;
 const BITS: u32 = 21;
 
 /// The numbers of the vertices that `is_used`, along the curve; equal places stand beside each other, the least number first.
-/// Places lie within ±1 of zero.
+/// Places lie within half a [`BOX`] of zero.
 pub(super) fn along_curve(positions: &[DVec3], is_used: &[bool]) -> Vec<u32> {
     let mut keyed: Vec<(u64, u32)> =
         positions.par_iter().enumerate().filter(|&(i, _)| is_used[i]).map(|(i, &p)| (morton(p), i as u32)).collect();
@@ -24,8 +25,8 @@ pub(super) fn along_curve(positions: &[DVec3], is_used: &[bool]) -> Vec<u32> {
 }
 
 fn morton(p: DVec3) -> u64 {
-    let scale = f64::from(1u32 << (BITS - 1));
-    let code = |v: f64| spread(((v + 1.0) * scale).clamp(0.0, 2.0 * scale - 1.0) as u64);
+    let cells = f64::from(1u32 << BITS);
+    let code = |v: f64| spread(((v / BOX + 0.5) * cells).clamp(0.0, cells - 1.0) as u64);
     code(p.x) | code(p.y) << 1 | code(p.z) << 2
 }
 

@@ -1,4 +1,4 @@
-//! From a mesh to what is collapsed, and back: scaled into a unit box, equal places joined, in the order of a curve.
+//! From a mesh to what is collapsed, and back: scaled into a box, equal places joined, in the order of a curve.
 
 use super::appearance::Appearance;
 use super::order::along_curve;
@@ -16,7 +16,11 @@ pub(super) struct Prepared {
     scale: Scale,
 }
 
-/// To the unit box and back.
+/// Width of the box that meshes are scaled into: wide enough that squares of the squares of short edges are no small numbers
+/// for single precision.
+pub(super) const BOX: f64 = (1 << 20) as f64;
+
+/// To the box and back.
 #[derive(Debug, Clone, Copy)]
 struct Scale {
     origin: DVec3,
@@ -29,7 +33,7 @@ impl Scale {
         let bounds = mesh.bounds();
         let diagonal = bounds.diagonal();
         if diagonal > 0.0 && diagonal.is_finite() {
-            Self { origin: bounds.centre(), metres_a_unit: diagonal.log2().ceil().exp2() }
+            Self { origin: bounds.centre(), metres_a_unit: diagonal.log2().ceil().exp2() / BOX }
         } else {
             Self { origin: DVec3::ZERO, metres_a_unit: 1.0 }
         }

@@ -1,16 +1,25 @@
-//! The collapse in rounds: each takes all edges up to a cost, in the order of memory; the next takes a little more.
+//! The collapse in rounds: each takes the edges of a block up to a cost, in the order of memory; the next takes a little
+//! more, until all blocks have come to a common cost, which then rises.
 //!
 //! Every vertex keeps the cost of its cheapest edge. A collapse marks the vertices around it stale; a stale vertex is weighed
 //! anew only when a round reaches the cost it had, for costs seldom fall. So there is no queue, and work stays where it is
 //! in the cache. Where the last round would go too far, its edges are taken in the order of their costs.
 
 use super::StoppedBy;
-use super::plane_sum::{PlaneSum, PlaneSummer, best_place};
+use super::plane_sum::{ABREAST, EDGES_ABREAST, PlaneSum, best_place, costs};
 use super::work::{Work, hold};
 use glam::DVec3;
+use std::ops::Range;
 
-/// Share of the vertices that a round may find.
+/// Share of the vertices whose edges a sweep over the whole mesh takes, and a round within a block.
+const SHARE_OF_SWEEP: f64 = 0.25;
 const SHARE_OF_ROUND: f64 = 0.03;
+
+/// Vertices that go through their rounds together: what is around them stays in the cache.
+const BLOCK: usize = 4096;
+
+/// Bits of a cost that tell less than an eighth of an octave.
+const KEY_SHIFT: u32 = 20;
 
 /// Compacts when this share of the vertices is gone.
 const COMPACT_AT: f64 = 0.4;
@@ -20,6 +29,8 @@ const SUM_IS_STALE: u8 = 1;
 const EDGE_IS_STALE: u8 = 2;
 /// An edge cheaper than its key could not be taken.
 const BLOCKED: u8 = 4;
+/// The triangles around the vertex close a ring.
+const IS_CLOSED: u8 = 8;
 
 /// When to stop.
 #[derive(Debug, Clone, Copy)]
@@ -41,6 +52,8 @@ pub(super) struct Rounds<'w> {
     partner: Vec<u32>,
     state: Vec<u8>,
     gone: usize,
+    /// Scratch: vertices by cost.
+    counts: Vec<u32>,
     /// The largest estimate of a step taken.
     pub(super) worst: f64,
     ring: Vec<u32>,
@@ -65,6 +78,7 @@ impl<'w> Rounds<'w> {
             partner: vec![u32::MAX; n],
             state: vec![SUM_IS_STALE; n],
             gone: 0,
+            counts: vec![0; 1 << (32 - KEY_SHIFT)],
             worst: 0.0,
             ring: Vec::new(),
             tried: Vec::new(),
@@ -77,51 +91,68 @@ impl<'w> Rounds<'w> {
 
     /// Collapses until something says stop. `progress` hears of the faces left.
     pub(super) fn run(&mut self, stop: Stop, progress: &dyn Fn(usize)) -> StoppedBy {
-        loop {
-            if self.work.faces() <= stop.faces {
-                return StoppedBy::Target;
-            }
-            let Some(limit) = self.next_limit() else {
-                return StoppedBy::Topology;
-            };
+        while self.work.faces() > stop.faces {
             let wanted = (self.work.faces() - stop.faces).div_ceil(2);
-            let found: Vec<u32> = (0..self.key.len() as u32).filter(|&v| self.key[v as usize] <= limit).collect();
-            let before = found.len();
-            if before > wanted {
-                self.take_in_order(found, stop);
-            } else {
-                for v in found {
-                    self.take(v, limit, stop);
-                    if self.work.faces() <= stop.faces {
-                        break;
-                    }
+            let alive = (self.key.len() - self.gone) as f64;
+            // a collapse often makes room for another below the same cost
+            let share = (0.4 * wanted as f64 / alive).min(SHARE_OF_SWEEP);
+            let all = 0..self.key.len();
+            let limit = self.limit_of(all.clone(), share.max(SHARE_OF_ROUND));
+            if limit == f32::INFINITY {
+                return StoppedBy::Topology;
+            }
+            if share > SHARE_OF_ROUND {
+                for start in all.step_by(BLOCK) {
+                    self.settle(start..(start + BLOCK).min(self.key.len()), limit, stop);
                 }
+            } else {
+                let found: Vec<u32> = (0..self.key.len() as u32).filter(|&v| self.key[v as usize] <= limit).collect();
+                self.take_in_order(found, stop);
             }
             progress(self.work.faces());
             if self.gone as f64 > COMPACT_AT * self.key.len() as f64 {
                 self.compact();
             }
         }
+        StoppedBy::Target
     }
 
-    /// The cost up to which the next round goes: the least step of an eighth of an octave that finds the share of vertices.
-    fn next_limit(&self) -> Option<f32> {
-        const SHIFT: u32 = 20;
-        let mut counts = vec![0u32; 1 << (31 - SHIFT)];
-        for &key in &self.key {
-            counts[(key.to_bits() >> SHIFT) as usize] += 1;
-        }
-        let infinite = (f32::INFINITY.to_bits() >> SHIFT) as usize;
-        let alive: u32 = counts[..infinite].iter().sum();
-        let wanted = (f64::from(alive) * SHARE_OF_ROUND) as u32;
-        let mut sum = 0;
-        for (bin, &count) in counts[..infinite].iter().enumerate() {
-            sum += count;
-            if sum > wanted {
-                return Some(f32::from_bits(((bin as u32 + 1) << SHIFT) - 1));
+    /// Takes a block's edges up to a cost, in rounds.
+    fn settle(&mut self, block: Range<usize>, limit: f32, stop: Stop) {
+        loop {
+            let round = self.limit_of(block.clone(), SHARE_OF_ROUND).min(limit);
+            for v in block.clone() {
+                if self.key[v] <= round {
+                    if self.work.faces() <= stop.faces {
+                        return;
+                    }
+                    self.take(v as u32, round, stop);
+                }
+            }
+            if round == limit {
+                return;
             }
         }
-        None
+    }
+
+    /// The least cost, in steps of an eighth of an octave, up to which this share of some vertices' cheapest edges go;
+    /// infinite where there are no edges.
+    fn limit_of(&mut self, vertices: Range<usize>, share: f64) -> f32 {
+        let infinite = (f32::INFINITY.to_bits() >> KEY_SHIFT) as usize;
+        self.counts.fill(0);
+        for key in &self.key[vertices] {
+            self.counts[(key.to_bits() >> KEY_SHIFT) as usize] += 1;
+        }
+        let alive: u32 = self.counts[..infinite].iter().sum();
+        let wanted = (f64::from(alive) * share) as u32;
+        let mut sum = 0;
+        for (bin, &count) in self.counts[..infinite].iter().enumerate() {
+            sum += count;
+            if sum > wanted {
+                return f32::from_bits(((bin as u32 + 1) << KEY_SHIFT) - 1);
+            }
+        }
+        f32::INFINITY
     }
 
     /// Takes the edges of these vertices, the cheapest first.
@@ -141,7 +172,17 @@ impl<'w> Rounds<'w> {
         if self.work.is_gone(v) {
             return;
         }
-        if self.state[v as usize] & (SUM_IS_STALE | EDGE_IS_STALE) != 0 {
+        if self.state[v as usize] & EDGE_IS_STALE != 0 {
+            // often the edge that was the cheapest still is cheap enough: then the others need not be weighed
+            let partner = self.partner[v as usize];
+            if partner < self.key.len() as u32
+                && self.work.star(v).iter().any(|c| c.turned(&self.work.triangles)[1] == partner)
+            {
+                let weighed = self.weigh_edge(v, partner);
+                if weighed.cost <= limit && self.collapse(v, partner, weighed, stop) {
+                    return;
+                }
+            }
             self.weigh_vertex(v);
         }
         let mut tried = std::mem::take(&mut self.tried);
@@ -206,13 +247,36 @@ impl<'w> Rounds<'w> {
 
     /// Finds the vertex's cheapest edge but those `tried`.
     fn weigh_others(&mut self, v: u32, tried: &[u32]) {
+        self.refresh(v);
         let mut ring = std::mem::take(&mut self.ring);
-        self.work.neighbours(v, &mut ring);
+        if self.state[v as usize] & IS_CLOSED != 0 {
+            ring.clear();
+            ring.extend(self.work.star(v).iter().map(|corner| corner.turned(&self.work.triangles)[1]));
+        } else {
+            self.work.neighbours(v, &mut ring);
+        }
+        ring.retain(|n| !tried.contains(n));
         let (mut best, mut partner) = (f32::INFINITY, u32::MAX);
-        for &n in ring.iter().filter(|n| !tried.contains(n)) {
-            let cost = self.weigh_edge(v, n).cost;
+        let is_held = |work: &Work, n: u32| work.holds[n as usize] != 0;
+        let mut consider = |cost: f32, n: u32| {
             if cost < best {
                 (best, partner) = (cost, n);
+            }
+        };
+        if is_held(self.work, v) || ring.iter().any(|&n| is_held(self.work, n)) {
+            for &n in &ring {
+                consider(self.weigh_edge(v, n).cost, n);
+            }
+        } else {
+            let at = self.work.positions[v as usize];
+            ring.iter().for_each(|&n| self.refresh(n));
+            for some in ring.chunks(EDGES_ABREAST) {
+                // the last fills the lanes up
+                let lane = |l: usize| some[l.min(some.len() - 1)] as usize;
+                let seconds = std::array::from_fn(|l| &self.sums[lane(l)]);
+                let edges = std::array::from_fn(|l| self.work.positions[lane(l)] - at);
+                let costs = costs(&self.sums[v as usize], seconds, edges);
+                some.iter().zip(costs).for_each(|(&n, cost)| consider(cost as f32, n));
             }
         }
         self.ring = ring;
@@ -249,8 +313,10 @@ impl<'w> Rounds<'w> {
     #[inline]
     fn refresh(&mut self, v: u32) {
         if self.state[v as usize] & SUM_IS_STALE != 0 {
-            self.state[v as usize] &= !SUM_IS_STALE;
-            self.sums[v as usize] = plane_sum(self.work, v);
+            let (sum, is_closed) = plane_sum(self.work, v);
+            self.sums[v as usize] = sum;
+            let state = &mut self.state[v as usize];
+            *state = *state & !(SUM_IS_STALE | IS_CLOSED) | if is_closed { IS_CLOSED } else { 0 };
         }
     }
 
@@ -263,7 +329,7 @@ impl<'w> Rounds<'w> {
             sums[kept] = sums[v];
             key[kept] = key[v];
             // partners have other numbers now
-            state[kept] = state[v] | EDGE_IS_STALE;
+            (partner[kept], state[kept]) = (u32::MAX, state[v] | EDGE_IS_STALE);
             sources[kept] = sources[v];
             kept += 1;
         });
@@ -285,24 +351,38 @@ pub(super) enum Kept {
     Both,
 }
 
-/// The planes around a vertex, with the lines of its borders and creases.
-fn plane_sum(work: &Work, v: u32) -> PlaneSum {
-    let mut sum = PlaneSummer::default();
+/// The planes around a vertex, with the lines of its borders and creases; and whether its star is closed: then every
+/// neighbour is next in one triangle and last in another.
+fn plane_sum(work: &Work, v: u32) -> (PlaneSum, bool) {
     let at = work.positions[v as usize];
     let star = work.star(v);
-    let mut turned = 0u64;
-    for corner in star {
-        let [_, b, c] = corner.turned(&work.triangles);
-        sum.add_triangle(work.positions[b as usize] - at, work.positions[c as usize] - at);
-        // around a closed star every neighbour is once next and once last
-        turned = turned.wrapping_add(u64::from(b).wrapping_mul(0x9E37_79B9_7F4A_7C15));
-        turned = turned.wrapping_sub(u64::from(c).wrapping_mul(0x9E37_79B9_7F4A_7C15));
+    let mut balance = 0u64;
+    let mut sum = PlaneSum::default();
+    for some in star.chunks(ABREAST) {
+        // triangles without area, which add nothing, fill the lanes up
+        let mut corners = [[0f32; ABREAST]; 6];
+        for (k, corner) in some.iter().enumerate() {
+            let [_, b, c] = corner.turned(&work.triangles);
+            balance = balance.wrapping_add(mixed(b)).wrapping_sub(mixed(c));
+            let (b, c) = (work.positions[b as usize] - at, work.positions[c as usize] - at);
+            for (lane, v) in corners.iter_mut().zip([b.x, b.y, b.z, c.x, c.y, c.z]) {
+                lane[k] = v as f32;
+            }
+        }
+        sum.add_triangles(&corners);
     }
-    if turned != 0 || work.holds[v as usize] & hold::CREASE != 0 {
-        work.for_lines(v, |n| sum.add_line(work.positions[n as usize] - at, LINE_WEIGHT));
+    let is_closed = balance == 0;
+    if !is_closed || work.holds[v as usize] & hold::CREASE != 0 {
+        work.for_lines(v, |n| sum.add_line((work.positions[n as usize] - at).as_vec3(), LINE_WEIGHT));
     }
-    sum.finish()
+    (sum, is_closed)
+}
+
+/// Spreads a number over 64 bits so that sums of different numbers differ.
+fn mixed(v: u32) -> u64 {
+    let x = (u64::from(v) + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    (x ^ (x >> 29)).wrapping_mul(0xBF58_476D_1CE4_E5B9)
 }
 
 /// How much a border's line weighs beside a surface.
-const LINE_WEIGHT: f64 = 1.0;
+const LINE_WEIGHT: f32 = 1.0;

@@ -1,4 +1,4 @@
-//! The mesh while it is being collapsed: places in a unit box, triangles, stars, and the tests that keep it a mesh.
+//! The mesh while it is being collapsed: places in a box, triangles, stars, and the tests that keep it a mesh.
 //!
 //! Based on: Dey, Edelsbrunner, Guha, Nekhayev, "Topology preserving edge contraction", 1999 (the link condition).
 
@@ -24,7 +24,7 @@ pub(super) mod hold {
 /// A mesh to collapse.
 #[derive(Debug, Default)]
 pub(super) struct Work {
-    /// Places, scaled into about a unit box.
+    /// Places, scaled into about a box.
     pub(super) positions: Vec<DVec3>,
     /// Corners; removed triangles have [`GONE`] in all three.
     pub(super) triangles: Vec<[u32; 3]>,
@@ -264,20 +264,17 @@ impl Work {
 
     /// Locks the vertices of edges that are no surface's.
     fn lock_what_is_no_surface(&mut self) {
-        let mut ends = Vec::new();
         for v in 0..self.positions.len() as u32 {
-            ends.clear();
-            for corner in self.stars.of(v) {
-                let [_, b, c] = corner.turned(&self.triangles);
-                ends.push((b, 0u8));
-                ends.push((c, 1u8));
-            }
-            ends.sort_unstable();
-            // an edge that leaves or enters the star twice the same way
-            for pair in ends.windows(2) {
-                if pair[0] == pair[1] {
-                    self.holds[v as usize] |= hold::LOCKED;
-                    self.holds[pair[0].0 as usize] |= hold::LOCKED;
+            for side in [1, 2] {
+                self.mark += 1;
+                for corner in self.stars.of(v) {
+                    // an edge that leaves the star, or comes back to it, twice
+                    let n = corner.turned(&self.triangles)[side] as usize;
+                    if self.marks[n] == self.mark {
+                        self.holds[v as usize] |= hold::LOCKED;
+                        self.holds[n] |= hold::LOCKED;
+                    }
+                    self.marks[n] = self.mark;
                 }
             }
         }
