@@ -114,7 +114,11 @@ pub fn close(mut mesh: TriangleMesh, views: &[View]) -> Result<(TriangleMesh, Cl
     let stays = |polygon: usize| shown[polygon] <= MOST_SAMPLES_SHOWN;
     let closing = Closing {
         polygons: (0..borders.len()).filter(|&polygon| stays(polygon)).count(),
-        largest: (0..borders.len()).filter(|&polygon| stays(polygon)).map(|polygon| borders[polygon].len()).max().unwrap_or(0),
+        largest: (0..borders.len())
+            .filter(|&polygon| stays(polygon))
+            .map(|polygon| borders[polygon].len())
+            .max()
+            .unwrap_or(0),
         faces: polygon_of.iter().filter(|&&polygon| stays(polygon)).count(),
         left_open: (0..borders.len()).filter(|&polygon| !stays(polygon)).count(),
     };
@@ -184,11 +188,7 @@ mod tests {
             let polar = std::f64::consts::PI * f64::from(ring) / f64::from(rings);
             for k in 0..across {
                 let azimuth = std::f64::consts::TAU * f64::from(k) / f64::from(across);
-                mesh.positions.push(DVec3::new(
-                    polar.sin() * azimuth.cos(),
-                    polar.sin() * azimuth.sin(),
-                    polar.cos(),
-                ));
+                mesh.positions.push(DVec3::new(polar.sin() * azimuth.cos(), polar.sin() * azimuth.sin(), polar.cos()));
             }
         }
         for k in 0..across {

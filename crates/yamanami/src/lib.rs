@@ -48,7 +48,7 @@ pub use hide::{Closing, SeenSide, close, closing_faces, seen_side};
 pub use look::{LookLimits, LookSame, Original, Probe, look_same, worst_of};
 pub use mizuno::{MizunoModel, mizuno};
 pub use model_picture::{MODEL_BACKGROUND, model_pixels, model_style};
-pub use model_view::{model_camera, model_views};
+pub use model_view::{model_camera, model_views, turn_back_y_up, turn_y_up};
 pub use path::{CameraPath, orbit, read_path, valley_run, write_path};
 pub use reduce::{DisplayNeed, POLYGONS_PER_PIXEL, Reduced, ReducedBy, display_need, reduce};
 

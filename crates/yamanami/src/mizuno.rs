@@ -60,8 +60,6 @@ pub(crate) const STYLES: [Style; 3] = [
 #[derive(Debug, Clone)]
 pub(crate) struct Rung {
     pub(crate) k: f64,
-    /// Faces wanted.
-    pub(crate) target: usize,
     /// Faces reached; `None` where the source has fewer than wanted.
     pub(crate) faces: Option<usize>,
     /// By style.
@@ -152,13 +150,16 @@ fn experiment(model: MizunoModel, limits: LookLimits, progress: &dyn Fn(&str)) -
     for (target, k, i) in steps {
         let stage = &mut stages[i];
         if target >= seen_faces {
-            stage.found.rungs.push(Rung { k, target, faces: None, differences: Vec::new() });
+            stage.found.rungs.push(Rung { k, faces: None, differences: Vec::new() });
             stage.leave_out(k);
             continue;
         }
-        progress(&format!("{name}: {target} faces, {k} a pixel of {} x {}", stage.found.size_px[0], stage.found.size_px[1]));
+        progress(&format!(
+            "{name}: {target} faces, {k} a pixel of {} x {}",
+            stage.found.size_px[0], stage.found.size_px[1]
+        ));
         at = reduce(at, &CollapseOptions { target_faces: target, ..CollapseOptions::default() }).mesh;
-        stage.measure(&at, k, target, limits)?;
+        stage.measure(&at, k, limits)?;
     }
     let mut displays = Vec::new();
     for stage in stages {
@@ -199,7 +200,7 @@ impl Stage {
         }
     }
 
-    fn measure(&mut self, mesh: &TriangleMesh, k: f64, target: usize, limits: LookLimits) -> Result<(), Error> {
+    fn measure(&mut self, mesh: &TriangleMesh, k: f64, limits: LookLimits) -> Result<(), Error> {
         let faces = mesh.triangles.len();
         let mut differences = Vec::new();
         for (number, original) in self.originals.iter().enumerate() {
@@ -217,15 +218,14 @@ impl Stage {
         } else if self.fails == 0 {
             self.fails = faces;
         }
-        self.found.rungs.push(Rung { k, target, faces: Some(faces), differences });
+        self.found.rungs.push(Rung { k, faces: Some(faces), differences });
         Ok(())
     }
 
     /// Narrows down the smallest mesh that looks the same.
     fn search(mut self, limits: LookLimits) -> Result<OnDisplay, Error> {
         if let Some((mesh, difference)) = self.best.take() {
-            let search =
-                Search { original: &self.originals[0], limits, method: Method::Memoryless, source: None };
+            let search = Search { original: &self.originals[0], limits, method: Method::Memoryless, source: None };
             let start = Reduced { mesh, by: ReducedBy::Faces, estimate_m: 0.0 };
             let (best, better, _) = search.between(start, self.fails.max(1), &|_| ())?;
             self.found.look = Some((best.mesh.triangles.len(), better.unwrap_or(difference)));

@@ -9,8 +9,12 @@ use yamanami_measure::ModelDifference;
 use yamanami_measure::plot::{Chart, Reference, Series, Style, lines};
 
 /// The paper's covered pixels, display by display.
-const PAPER_PIXELS: [([u32; 2], u64); 4] =
-    [([1920, 1080], 156_072), ([1600, 900], 109_441), ([1280, 720], 68_004), ([800, 600], 36_616)];
+const PAPER_PIXELS: [([u32; 2], u64); 4] = [
+    ([1920, 1080], 156_072),
+    ([1600, 900], 109_441),
+    ([1280, 720], 68_004),
+    ([800, 600], 36_616),
+];
 
 /// A least k within this factor of 50 is taken for 50.
 const NEAR: f64 = 1.5;
@@ -78,7 +82,9 @@ fn table_1(found: &Findings, page: &mut Page) {
         let paper = PAPER_PIXELS.iter().find(|(size, _)| *size == display.size_px).map(|&(_, pixels)| count(pixels));
         let mut cells = vec![name_of(display), paper.unwrap_or_else(|| "–".to_owned()), count(display.pixels)];
         cells.extend(PAPER_K.iter().map(|&k| {
-            rung(display, k).and_then(|rung| rung.faces).map_or_else(|| "source too small".to_owned(), |f| count(f as u64))
+            rung(display, k)
+                .and_then(|rung| rung.faces)
+                .map_or_else(|| "source too small".to_owned(), |f| count(f as u64))
         }));
         cells.push(display.look.map_or_else(
             || "the source only".to_owned(),
@@ -148,7 +154,15 @@ fn measures(display: &OnDisplay, found: &Findings, page: &mut Page) {
     let is_full = std::ptr::eq(display, &raw const found.displays[found.full]);
     for (number, style) in STYLES.iter().enumerate().take(if is_full { STYLES.len() } else { 1 }) {
         page.heading(3, format!("Measures, {}, {}", name_of(display), style.name));
-        let head = ["k", "faces", "mean FLIP", "99 % FLIP", "SSIM", "PSNR (dB)", "silhouette changed (% of pixels)"];
+        let head = [
+            "k",
+            "faces",
+            "mean FLIP",
+            "99 % FLIP",
+            "SSIM",
+            "PSNR (dB)",
+            "silhouette changed (% of pixels)",
+        ];
         let cells = |d: &ModelDifference| {
             [
                 format!("{:.4}", d.flip_mean),
@@ -177,11 +191,8 @@ fn measures(display: &OnDisplay, found: &Findings, page: &mut Page) {
 
 /// Whether 50 holds, from what was measured.
 fn verdict(found: &Findings, limits: LookLimits) -> String {
-    let at_50: Vec<(&OnDisplay, &ModelDifference)> = found
-        .displays
-        .iter()
-        .filter_map(|d| Some((d, rung(d, POLYGONS_PER_PIXEL)?.differences.first()?)))
-        .collect();
+    let at_50: Vec<(&OnDisplay, &ModelDifference)> =
+        found.displays.iter().filter_map(|d| Some((d, rung(d, POLYGONS_PER_PIXEL)?.differences.first()?))).collect();
     let least: Vec<f64> =
         found.displays.iter().filter_map(|d| Some(d.look?.0 as f64 / d.pixels.max(1) as f64)).collect();
     let range = |values: &[f64]| {

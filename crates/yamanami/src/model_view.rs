@@ -3,7 +3,7 @@
 use crate::camera::FOV_Y_RAD;
 use glam::DVec3;
 use rayon::prelude::*;
-use yamanami_core::{Aabb, View};
+use yamanami_core::{Aabb, TriangleMesh, View};
 
 /// Share of the picture that a model may fill, from border to border.
 const FILL: f64 = 0.94;
@@ -54,6 +54,18 @@ fn fitted(points: &[DVec3], centre: DVec3, forward: DVec3, viewport_px: [u32; 2]
     View { eye, target: eye + forward * distance_m, fov_y_rad: FOV_Y_RAD, viewport_px }
 }
 
+/// Turns a model whose up is y so that z is; lengths and everything else stay bit for bit.
+pub fn turn_y_up(mesh: &mut TriangleMesh) {
+    mesh.positions.iter_mut().for_each(|p| *p = DVec3::new(p.x, -p.z, p.y));
+    mesh.normals.iter_mut().for_each(|n| *n = [n[0], -n[2], n[1]]);
+}
+
+/// Undoes [`turn_y_up`].
+pub fn turn_back_y_up(mesh: &mut TriangleMesh) {
+    mesh.positions.iter_mut().for_each(|p| *p = DVec3::new(p.x, p.z, -p.y));
+    mesh.normals.iter_mut().for_each(|n| *n = [n[0], n[2], -n[1]]);
+}
+
 /// A camera given by its places, in the model's own coordinates; `fov_y_rad` is 40° where none is given.
 pub fn model_camera(eye: [f64; 3], target: [f64; 3], fov_y_rad: Option<f64>, viewport_px: [u32; 2]) -> View {
     let [eye, target] = [eye, target].map(DVec3::from_array);
@@ -88,6 +100,17 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn a_turned_model_turns_back() {
+        let mut mesh = TriangleMesh::new(vec![DVec3::new(1.0, 2.0, 3.0)], vec![]);
+        mesh.normals = vec![[0.0, 1.0, 0.0]];
+        let before = mesh.clone();
+        turn_y_up(&mut mesh);
+        assert_eq!((mesh.positions[0], mesh.normals[0]), (DVec3::new(1.0, -3.0, 2.0), [0.0, 0.0, 1.0]));
+        turn_back_y_up(&mut mesh);
+        assert_eq!(mesh, before);
     }
 
     #[test]

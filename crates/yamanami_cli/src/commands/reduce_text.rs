@@ -4,7 +4,8 @@ use super::reduce::Told;
 use crate::failure::Failure;
 use crate::{out, text};
 use serde_json::json;
-use yamanami::ReducedBy;
+use yamanami::measure::ModelDifference;
+use yamanami::{Closing, LookSame, Probe, ReducedBy};
 
 /// Prints the outcome.
 pub(super) fn tell(told: &Told<'_>) -> Result<(), Failure> {
@@ -30,7 +31,7 @@ fn as_json(told: &Told<'_>) -> Result<(), Failure> {
         "reduce_s": told.reduce_s,
         "bytes": told.bytes,
     });
-    if let (Some(need), Some([width, height])) = (&told.need, told.args.display) {
+    if let (Some(need), Some([width, height])) = (&told.need, told.display) {
         result["display"] = json!({
             "width_px": width,
             "height_px": height,
@@ -40,6 +41,26 @@ fn as_json(told: &Told<'_>) -> Result<(), Failure> {
             "faces_per_pixel": mesh.triangles.len() as f64 / need.pixels.max(1) as f64,
         });
     }
+    if let Some(hidden) = told.hidden_faces {
+        result["hidden_faces"] = json!(hidden);
+    }
+    if let Some(closing) = told.closing {
+        result["closing"] = json!({
+            "polygons": closing.polygons,
+            "largest_corners": closing.largest,
+            "faces": closing.faces,
+            "left_open": closing.left_open,
+        });
+    }
+    if let Some(look) = told.look {
+        let measures =
+            |d: &ModelDifference| json!({ "flip_mean": d.flip_mean, "flip_p99": d.flip_p99, "ssim": d.ssim });
+        let probe = |p: &Probe| json!({ "faces": p.faces, "same": p.same, "difference": measures(&p.difference) });
+        result["look"] = json!({
+            "difference": look.difference.as_ref().map(measures),
+            "probes": look.probes.iter().map(probe).collect::<Vec<_>>(),
+        });
+    }
     out::json(&result)
 }
 
@@ -47,7 +68,7 @@ fn as_text(told: &Told<'_>) -> Result<(), Failure> {
     let (mesh, [faces, vertices]) = (&told.reduced.mesh, told.source);
     let count = |n: usize| text::count(n as u64);
     out::row("source", format_args!("{} faces, {} vertices", count(faces), count(vertices)))?;
-    if let (Some(need), Some([width, height])) = (&told.need, told.args.display) {
+    if let (Some(need), Some([width, height])) = (&told.need, told.display) {
         for (i, (&covered, view)) in need.covered_px.iter().zip(told.views).enumerate() {
             let name = if i == 0 { "view" } else { "" };
             let from = view.eye - view.target;
@@ -64,8 +85,12 @@ fn as_text(told: &Told<'_>) -> Result<(), Failure> {
             )?;
         }
     }
+    if let Some(hidden) = told.hidden_faces {
+        out::row("hidden", format_args!("{} faces that no view sees", count(hidden)))?;
+    }
     if told.target > 0 {
-        out::row("target", format_args!("{} faces", count(told.target)))?;
+        let more = if told.target > faces { ", more than the source has" } else { "" };
+        out::row("target", format_args!("{} faces{more}", count(told.target)))?;
     }
     out::row(
         "result",
@@ -77,27 +102,76 @@ fn as_text(told: &Told<'_>) -> Result<(), Failure> {
         ),
     )?;
     out::row("ended by", ending(told))?;
+    if let Some(closing) = told.closing {
+        out::row("closed", closing_text(&closing))?;
+    }
+    if let Some(look) = told.look {
+        look_rows(look)?;
+    }
     if told.reduced.by != ReducedBy::Nothing {
         out::row("time", format_args!("{} s to reduce", text::number(told.reduce_s)))?;
     }
     out::row("mesh file", format_args!("{}, {}", told.args.output.display(), text::bytes(told.bytes)))?;
-    if let (Some(need), Some([width, height])) = (&told.need, told.args.display) {
+    if let (Some(need), Some([width, height])) = (&told.need, told.display) {
         out::line("")?;
         out::line(format_args!("{:<12}{:>14}{:>8}{:>14}{:>14}", "display", "pixels (1x)", "k", "target", "result"))?;
         out::line(format_args!(
             "{:<12}{:>14}{:>8}{:>14}{:>14}",
             format!("{width}x{height}"),
             text::count(need.pixels),
-            text::number(told.args.polygons_per_pixel),
-            count(need.faces),
+            text::number(match told.look {
+                Some(_) => mesh.triangles.len() as f64 / need.pixels.max(1) as f64,
+                None => told.args.polygons_per_pixel,
+            }),
+            if told.look.is_some() { "looks same".to_owned() } else { count(told.target) },
             count(mesh.triangles.len())
         ))?;
     }
     Ok(())
 }
 
+fn closing_text(closing: &Closing) -> String {
+    let polygons = match closing.polygons {
+        0 => "by nothing".to_owned(),
+        1 => format!("by one polygon of {} corners", text::count(closing.largest as u64)),
+        n => format!("by {n} polygons, the largest of {} corners", text::count(closing.largest as u64)),
+    };
+    let open = match closing.left_open {
+        0 => String::new(),
+        1 => "; one border is left open, where a polygon would show".to_owned(),
+        n => format!("; {n} borders are left open, where a polygon would show"),
+    };
+    format!("{polygons} ({} triangles){open}", text::count(closing.faces as u64))
+}
+
+fn look_rows(look: &LookSame) -> Result<(), Failure> {
+    if let Some(d) = &look.difference {
+        out::row(
+            "difference",
+            format_args!(
+                "FLIP {} in the mean, {} at one pixel in a hundred; SSIM {:.4}: the worst of the views",
+                text::number(d.flip_mean),
+                text::number(d.flip_p99),
+                d.ssim
+            ),
+        )?;
+    }
+    let tried: Vec<String> = look
+        .probes
+        .iter()
+        .map(|p| format!("{}{}", text::count(p.faces as u64), if p.same { "" } else { " (differs)" }))
+        .collect();
+    out::row("tried", tried.join(", "))
+}
+
 fn ending(told: &Told<'_>) -> String {
     let faces = text::count(told.source[0] as u64);
+    if told.look.is_some() {
+        return match told.reduced.by {
+            ReducedBy::Nothing => format!("the look: nothing smaller than the source's {faces} faces looks the same"),
+            _ => "the look: with fewer faces the difference shows".to_owned(),
+        };
+    }
     match told.reduced.by {
         ReducedBy::Nothing => {
             let least = told.need.as_ref().map_or_else(String::new, |need| {

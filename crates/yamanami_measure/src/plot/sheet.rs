@@ -58,7 +58,9 @@ fn picture(sheet: &Sheet) -> Result<RgbImage, Box<dyn std::error::Error>> {
     for (row, y) in sheet.rows.iter().zip((top..).step_by(step as usize)) {
         for (cell, x) in row.cells.iter().take(sheet.columns.len()).zip((NAMES_PX..).step_by(step as usize)) {
             match cell {
-                Some(cell) => imageops::overlay(&mut canvas, &enlarged(cell, step - GAP_PX), i64::from(x), i64::from(y)),
+                Some(cell) => {
+                    imageops::overlay(&mut canvas, &enlarged(cell, step - GAP_PX), i64::from(x), i64::from(y))
+                }
                 None => {
                     let blank = RgbImage::from_pixel(step - GAP_PX, step - GAP_PX, Rgb([246; 3]));
                     imageops::overlay(&mut canvas, &blank, i64::from(x), i64::from(y));
