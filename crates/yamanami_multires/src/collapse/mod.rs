@@ -13,6 +13,7 @@ mod prepare;
 mod quadric;
 mod rounds;
 mod stars;
+mod surroundings;
 mod work;
 
 use prepare::Prepared;

@@ -6,14 +6,15 @@
 //! in the cache. Where the last round would go too far, its edges are taken in the order of their costs.
 
 use super::StoppedBy;
-use super::plane_sum::{ABREAST, EDGES_ABREAST, PlaneSum, best_place, costs};
-use super::work::{Work, hold};
+use super::plane_sum::{EDGES_ABREAST, PlaneSum, best_place, costs};
+use super::surroundings::plane_sum;
+use super::work::Work;
 use glam::DVec3;
 use std::ops::Range;
 
 /// Share of the vertices whose edges a sweep over the whole mesh takes, and a round within a block.
-const SHARE_OF_SWEEP: f64 = 0.25;
-const SHARE_OF_ROUND: f64 = 0.03;
+const SHARE_OF_SWEEP: f64 = 0.5;
+const SHARE_OF_ROUND: f64 = 0.06;
 
 /// Vertices that go through their rounds together: what is around them stays in the cache.
 const BLOCK: usize = 4096;
@@ -350,39 +351,3 @@ pub(super) enum Kept {
     Second,
     Both,
 }
-
-/// The planes around a vertex, with the lines of its borders and creases; and whether its star is closed: then every
-/// neighbour is next in one triangle and last in another.
-fn plane_sum(work: &Work, v: u32) -> (PlaneSum, bool) {
-    let at = work.positions[v as usize];
-    let star = work.star(v);
-    let mut balance = 0u64;
-    let mut sum = PlaneSum::default();
-    for some in star.chunks(ABREAST) {
-        // triangles without area, which add nothing, fill the lanes up
-        let mut corners = [[0f32; ABREAST]; 6];
-        for (k, corner) in some.iter().enumerate() {
-            let [_, b, c] = corner.turned(&work.triangles);
-            balance = balance.wrapping_add(mixed(b)).wrapping_sub(mixed(c));
-            let (b, c) = (work.positions[b as usize] - at, work.positions[c as usize] - at);
-            for (lane, v) in corners.iter_mut().zip([b.x, b.y, b.z, c.x, c.y, c.z]) {
-                lane[k] = v as f32;
-            }
-        }
-        sum.add_triangles(&corners);
-    }
-    let is_closed = balance == 0;
-    if !is_closed || work.holds[v as usize] & hold::CREASE != 0 {
-        work.for_lines(v, |n| sum.add_line((work.positions[n as usize] - at).as_vec3(), LINE_WEIGHT));
-    }
-    (sum, is_closed)
-}
-
-/// Spreads a number over 64 bits so that sums of different numbers differ.
-fn mixed(v: u32) -> u64 {
-    let x = (u64::from(v) + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-    (x ^ (x >> 29)).wrapping_mul(0xBF58_476D_1CE4_E5B9)
-}
-
-/// How much a border's line weighs beside a surface.
-const LINE_WEIGHT: f32 = 1.0;
