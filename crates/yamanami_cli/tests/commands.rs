@@ -205,8 +205,8 @@ fn a_generated_pagoda_is_read_back() {
     let text = stdout(folder, "generate pagoda -o %/p.ply --faces 30000");
     assert!(text.contains("--eye"), "{text}");
     let info = json(folder, "info %/p.ply");
-    let triangles = info["triangles"].as_u64().unwrap();
-    assert!(triangles.abs_diff(30_000) <= 300, "{info}");
+    let faces = info["faces"].as_u64().unwrap();
+    assert!(faces.abs_diff(30_000) <= 300, "{info}");
     stdout(folder, "generate pagoda -o %/holed.stl --faces 5000 --holes occluded --noise 0 --seed 3");
 }
 

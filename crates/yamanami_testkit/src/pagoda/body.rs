@@ -84,18 +84,14 @@ fn window(parts: &mut Parts, pose: Pose, half_m: f64, [low, high]: [f64; 2]) {
     let half_m = half_m - 0.012;
     frame(parts, pose, half_m, [low, high], 0.010);
     let inner = half_m - 0.010;
-    let count = (2.0 * inner / 0.0155).round().max(3.0) as usize;
-    for i in 0..count {
-        let x = ((i as f64 + 0.5) / count as f64 * 2.0 - 1.0) * inner;
-        let size = DVec3::new(0.0075, 0.0075, high - low - 0.016);
-        let z = 0.5 * (low + high);
-        parts.bent(pose, size.to_array(), PaleWood, move |p| {
-            let q = worn_box(p, size, 0.0008);
-            // turned by an eighth
-            let half = std::f64::consts::FRAC_1_SQRT_2;
-            DVec3::new(x + half * (q.x - q.y), 0.004 + half * (q.x + q.y), z + q.z)
-        });
-    }
+    let pitch_m = 2.0 * inner / (2.0 * inner / 0.0155).round().max(3.0);
+    let size = DVec3::new(2.0 * inner, 0.006, high - low - 0.016);
+    parts.bent(pose, size.to_array(), PaleWood, move |p| {
+        let x = (p.x - 0.5) * size.x;
+        let off_m = (((x + inner) / pitch_m).fract() - 0.5).abs() * pitch_m;
+        let bar = if p.y == 1.0 { (0.0052 - off_m).max(0.0) * 1.8 } else { 0.0 };
+        DVec3::new(x, -0.004 + p.y * size.y + bar, 0.5 * (low + high) + (p.z - 0.5) * size.z)
+    });
 }
 
 fn frame(parts: &mut Parts, pose: Pose, half_m: f64, [low, high]: [f64; 2], wide_m: f64) {
@@ -119,13 +115,14 @@ pub(super) fn base(parts: &mut Parts) {
     for side in 0..4 {
         let pose = Pose::outward(2 * side);
         // dressed blocks of the wall
-        let blocks = 9;
-        for i in 0..blocks {
-            let x = |k: usize| (2.0 * k as f64 / blocks as f64 - 1.0) * (half - 0.002);
-            let size = DVec3::new(x(i + 1) - x(i) - 0.002, 0.03, top - 0.036 - 0.033);
-            let middle = DVec3::new(0.5 * (x(i) + x(i + 1)), half - 0.017, 0.5 * (0.032 + top - 0.036));
-            parts.bent(pose, size.to_array(), Stone, move |p| middle + worn_box(p, size, 0.004));
-        }
+        let size = DVec3::new(2.0 * half - 0.008, 0.03, top - 0.036 - 0.030);
+        let block_m = size.x / 9.0;
+        let middle = DVec3::new(0.0, half - 0.018, 0.5 * (0.030 + top - 0.036));
+        parts.bent(pose, size.to_array(), Stone, move |p| {
+            let q = worn_box(p, size, 0.002);
+            let out = if p.y == 1.0 { -joint(q.x, 0.5 * size.x, block_m) } else { 0.0 };
+            middle + q + DVec3::Y * out
+        });
         let steps = 5;
         for i in 0..steps {
             let high = (top - 0.004) * (steps - i) as f64 / steps as f64;
@@ -144,12 +141,18 @@ pub(super) fn base(parts: &mut Parts) {
         }
     }
     // paving slabs
-    let slabs = 9;
-    let side_m = 2.0 * (half - 0.003) / slabs as f64;
-    for i in 0..slabs * slabs {
-        let at = |k: usize| (k as f64 - 0.5 * (slabs - 1) as f64) * side_m;
-        let (x, y) = (at(i % slabs), at(i / slabs));
-        let s = 0.5 * side_m - 0.001;
-        parts.bar(tower, [x - s, y - s, top - 0.012], [x + s, y + s, top], Stone);
-    }
+    let size = DVec3::new(2.0 * half - 0.006, 2.0 * half - 0.006, 0.012);
+    let slab_m = size.x / 9.0;
+    parts.bent(tower, size.to_array(), Stone, move |p| {
+        let q = worn_box(p, size, 0.003);
+        let joints = [q.x, q.y].map(|x| joint(x, 0.5 * size.x, slab_m));
+        let down = if p.z == 1.0 { joints[0].max(joints[1]) } else { 0.0 };
+        DVec3::new(q.x, q.y, top - 0.5 * size.z + q.z - down)
+    });
+}
+
+/// Depth of the joint between stones so long, which are laid from `half_m` before the middle on.
+fn joint(x: f64, half_m: f64, stone_m: f64) -> f64 {
+    let off_m = (((x + half_m) / stone_m + 0.5).fract() - 0.5).abs() * stone_m;
+    0.004 * (1.0 - off_m / 0.005).max(0.0)
 }

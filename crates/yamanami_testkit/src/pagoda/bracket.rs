@@ -1,7 +1,7 @@
 //! Tokyō: the brackets between wall and eaves. A block on the pillar's head carries bow-shaped arms with bearing blocks, three
 //! steps outward; at the corners a set reaches out along the diagonal as well.
 
-use super::paint::Material::{PaleWood, Plaster, Wood};
+use super::paint::Material::{PaleWood, Wood};
 use super::part::{Parts, Pose, worn_box};
 use super::plan::{BLOCK_M, PILLAR_SHARE, STEP_OUT_M, STEP_UP_M, Storey};
 use glam::DVec3;
@@ -19,14 +19,14 @@ pub(super) fn build(parts: &mut Parts, storey: &Storey) {
         let pose = Pose::outward(2 * side);
         wall(parts, pose, storey);
         for share in [-1.0, -PILLAR_SHARE, PILLAR_SHARE, 1.0] {
-            set(parts, pose.moved(share * half, half, 0.0), storey, STEP_OUT_M, false);
+            set(parts, pose.moved(share * half, half, 0.0), storey, STEP_OUT_M, Set::At(share));
         }
         // one great block for each pillar: the corner's is this side's alone
         for share in [-1.0, -PILLAR_SHARE, PILLAR_SHARE] {
             block(parts, pose.moved(share * half, half, storey.head_z), 0.050, BLOCK_M);
         }
         let corner = Pose::outward(2 * side + 1).moved(0.0, half * std::f64::consts::SQRT_2, 0.0);
-        set(parts, corner, storey, STEP_OUT_M * std::f64::consts::SQRT_2, true);
+        set(parts, corner, storey, STEP_OUT_M * std::f64::consts::SQRT_2, Set::Diagonal);
         // between the pillars a strut with a block carries the wall beams
         for x in [-0.5 * (1.0 + PILLAR_SHARE), 0.0, 0.5 * (1.0 + PILLAR_SHARE)] {
             let strut = pose.moved(x * half, half, storey.head_z);
@@ -50,42 +50,53 @@ fn wall(parts: &mut Parts, pose: Pose, storey: &Storey) {
     // a small ceiling of laths between the wall and that beam
     let (from, to) = (half + 0.004, y);
     let z = z + 0.006;
-    parts.bar(pose, [-to, from, z + 0.004], [to, to, z + 0.008], Plaster);
-    let laths = (2.0 * half / 0.021) as usize;
-    for i in 0..=laths {
-        let x = (i as f64 / laths as f64 - 0.5) * 2.0 * half;
-        parts.bar(pose, [x - 0.003, from, z - 0.002], [x + 0.003, to, z + 0.004], Wood);
-    }
+    let laths = (2.0 * half / 0.021).round();
+    let size = DVec3::new(2.0 * to, to - from, 0.010);
+    parts.bent(pose, size.to_array(), Wood, move |p| {
+        let x = (p.x - 0.5) * size.x;
+        let off_m = ((x / (2.0 * half) * laths).fract().abs() - 0.5).abs() * 2.0 * half / laths;
+        let lath = if p.z == 0.0 { -0.006 * ((0.0052 - off_m) / 0.002).clamp(0.0, 1.0) } else { 0.0 };
+        DVec3::new(x, from + p.y * size.y, z + p.z * size.z + lath)
+    });
+}
+
+/// Where a set stands.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Set {
+    /// On a pillar at this share of the half side: on one of the corners at ±1.
+    At(f64),
+    /// On the diagonal of a corner.
+    Diagonal,
 }
 
 /// One set seen from its pillar: three steps `out_m` apart.
-fn set(parts: &mut Parts, pose: Pose, storey: &Storey, out_m: f64, diagonal: bool) {
+fn set(parts: &mut Parts, pose: Pose, storey: &Storey, out_m: f64, at: Set) {
     for step in 0..3 {
         let (z, y) = (storey.step_z(step), out_m * step as f64);
         let end = y + out_m + 0.5 * ARM_M[0] + 0.008;
         arm_outward(parts, pose, [-0.03, end], z);
         bearing(parts, pose, 0.0, y + out_m, z + ARM_M[1]);
-        if diagonal {
-            continue;
-        }
+        let Set::At(share) = at else { continue };
         arm_along(parts, pose, y, z);
         for x in [-HALF_ARM_M + 0.012, 0.0, HALF_ARM_M - 0.012] {
-            bearing(parts, pose, x, y, z + ARM_M[1]);
+            // what lies around a corner is the other side's; the corner itself is one side's
+            let is_others = share.abs() == 1.0 && (x * share > 0.0 || (x == 0.0 && y == 0.0 && share > 0.0));
+            if !is_others {
+                bearing(parts, pose, x, y, z + ARM_M[1]);
+            }
         }
     }
-    // below the beam at the ends a last arm lies along it
-    let z = storey.step_z(3) - ARM_M[1];
-    if !diagonal {
-        tail(parts, pose, storey, out_m);
-        arm_along(parts, pose, 3.0 * out_m, z);
-    } else {
-        tail(parts, pose, storey, out_m);
+    tail(parts, pose, storey, out_m);
+    if at != Set::Diagonal {
+        // a last arm lies below the beam at the ends
+        arm_along(parts, pose, 3.0 * out_m, storey.step_z(3) - ARM_M[1]);
     }
 }
 
 /// An arm that reaches out from the wall, its lower edge rounded up at the end.
 fn arm_outward(parts: &mut Parts, pose: Pose, [from, to]: [f64; 2], z: f64) {
-    let size = DVec3::new(ARM_M[0], to - from, ARM_M[1]);
+    // a little wider than those along the wall, which it crosses at the corners
+    let size = DVec3::new(ARM_M[0] + 0.0016, to - from, ARM_M[1]);
     parts.bent(pose, size.to_array(), Wood, move |p| {
         let q = worn_box(p, size, 0.0015);
         let y = 0.5 * (from + to) + q.y;

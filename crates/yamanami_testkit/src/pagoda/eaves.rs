@@ -3,6 +3,7 @@
 use super::paint::Material::{PaleWood, Wood};
 use super::part::{Parts, Pose, worn_box};
 use super::plan::{PURLIN_M, RAFTER_M, RAFTER_SPACING_M, Roof, Storey};
+use super::tessellate::Sheet;
 use glam::DVec3;
 
 pub(super) fn build(parts: &mut Parts, storey: &Storey) {
@@ -12,7 +13,7 @@ pub(super) fn build(parts: &mut Parts, storey: &Storey) {
         rafters(parts, pose, storey);
         // boards along the rafters' ends, and the beam on the brackets; the beams cross at the corners
         let ends = [
-            (roof.mid_m - 0.012, 0.018, 0.016, -0.018),
+            (roof.mid_m - 0.004, 0.018, 0.018, -0.019),
             (roof.eave_m - 0.030, 0.020, 0.018, -0.010),
             (roof.eave_m - 0.012, 0.016, 0.012, 0.0),
         ];
@@ -57,33 +58,73 @@ fn beam(
     });
 }
 
+/// How far the sides of a rafter lean, and over which length its end is rounded off.
+const LEAN: f64 = 0.16;
+const NOSE_M: f64 = 0.010;
+
+/// Rafters of one row seen from below, with the boards between them: teeth across the side.
+#[derive(Debug, Clone, Copy)]
+struct Teeth {
+    half_m: f64,
+    count: usize,
+    side_m: f64,
+}
+
+impl Teeth {
+    /// As many rafters as stand within so far of the side's middle.
+    fn within(reach_m: f64, side_m: f64) -> Self {
+        let count = (2.0 * reach_m / RAFTER_SPACING_M) as usize;
+        Self { half_m: 0.5 * RAFTER_SPACING_M * count as f64, count, side_m }
+    }
+
+    /// Length across one rafter along its surface: half a gap, down, its bottom, up, half a gap.
+    fn tooth_m(&self) -> f64 {
+        RAFTER_SPACING_M + 2.0 * self.side_m
+    }
+
+    /// Offset along the side, and how far below the boards, at a share of the length across all.
+    fn at(&self, u: f64) -> [f64; 2] {
+        let teeth = u * self.count as f64;
+        let tooth = (teeth as usize).min(self.count - 1);
+        let along_m = (teeth - tooth as f64) * self.tooth_m();
+        let gap_m = 0.5 * (RAFTER_SPACING_M - self.side_m);
+        let from_edge_m = along_m.min(self.tooth_m() - along_m);
+        let in_m = from_edge_m.min(gap_m) + (from_edge_m - gap_m - self.side_m).max(0.0);
+        let down_m = (from_edge_m - gap_m).clamp(0.0, self.side_m);
+        let x = if 2.0 * along_m < self.tooth_m() { in_m } else { RAFTER_SPACING_M - in_m };
+        // its sides lean, so that no two places lie one below the other
+        let lean_m = LEAN * (down_m - 0.5 * self.side_m);
+        let x = if x < 0.5 * RAFTER_SPACING_M { x + lean_m } else { x - lean_m };
+        let x = x.clamp(0.0, RAFTER_SPACING_M);
+        [tooth as f64 * RAFTER_SPACING_M + x - self.half_m, down_m]
+    }
+}
+
 fn rafters(parts: &mut Parts, pose: Pose, storey: &Storey) {
     let roof = storey.roof;
-    let count = (2.0 * (roof.eave_m - 0.04) / RAFTER_SPACING_M) as usize;
-    for i in 0..count {
-        let x = (i as f64 - 0.5 * (count - 1) as f64) * RAFTER_SPACING_M;
-        // a rafter starts at the wall or at the hip; its lower row sinks outward to let the upper one lie on it
-        let from = (roof.under_m + 0.01).max(x.abs());
-        let lower = (from, roof.mid_m, 0.0, 0.020);
-        let upper = (from.max(roof.mid_m - 0.045), roof.eave_m - 0.022, 0.0, 0.0);
-        for (row, (from, to, sink_from, sink_to)) in [lower, upper].into_iter().enumerate() {
-            if to - from < 0.03 {
-                continue;
-            }
-            // at the wall end the two rows meet the boards; outward the lower one falls away from them
-            let sink = move |y: f64| {
-                let t = ((y - roof.under_m) / (roof.mid_m - roof.under_m)).clamp(0.0, 1.0);
-                sink_from + (sink_to - sink_from) * t
-            };
-            let side_m = if row == 0 { RAFTER_M } else { 0.9 * RAFTER_M };
-            let size = DVec3::new(side_m, to - from, side_m);
-            let material = if row == 0 { Wood } else { PaleWood };
-            parts.bent(pose, size.to_array(), material, move |p| {
-                let q = worn_box(p, size, 0.0016);
-                let y = 0.5 * (from + to) + q.y;
-                DVec3::new(x + q.x, y, roof.under_z(x, y) + 0.001 - sink(y) - 0.5 * side_m + q.z)
-            });
-        }
+    let wall_m = roof.under_m + 0.01;
+    // the lower row sinks outward to let the upper one lie on it
+    let rows = [
+        (wall_m, roof.mid_m, 0.020, RAFTER_M, Wood),
+        (wall_m.max(roof.mid_m - 0.045), roof.eave_m - 0.022, 0.0, 0.9 * RAFTER_M, PaleWood),
+    ];
+    for (from, to, sink_m, side_m, material) in rows {
+        let teeth = Teeth::within(to - 0.02, side_m);
+        let start = move |x: f64| from.max(x.abs());
+        let column_m = move |u: f64| [to - start(teeth.at(u)[0]), side_m, 0.008];
+        let place = move |p: DVec3| {
+            let [x, down_m] = teeth.at(p.x);
+            let y = if p.y < 0.0 { to + (start(x) - to) * -p.y } else { to - 0.008 * (p.y - 1.0).max(0.0) };
+            let sink = sink_m * ((y - roof.under_m) / (roof.mid_m - roof.under_m)).clamp(0.0, 1.0);
+            // the end is rounded off and vanishes in the board along the ends
+            let nose = ((to - y) / NOSE_M).clamp(0.0, 1.0);
+            let nose = if p.y < 0.0 { nose * (2.0 - nose) } else { 0.0 };
+            let down_m = down_m * (0.2 + 0.8 * nose);
+            let up = -0.001 - down_m + p.y.clamp(0.0, 1.0) * (down_m + 0.006);
+            DVec3::new(x, y, roof.under_z(x, y) - sink + up)
+        };
+        let sheet = Sheet { across_m: teeth.tooth_m() * teeth.count as f64, column_m: Box::new(column_m) };
+        parts.sheet(pose, sheet, side_m, material, place);
     }
 }
 

@@ -23,7 +23,7 @@ use yamanami_core::TriangleMesh;
 
 /// A pagoda 4.4 metres high, z up, its sides facing east, north, west and south: equal orders give equal meshes.
 ///
-/// Every piece of the building is a surface of its own, closed or (the roofs' slopes) with a border, and all are cut into
+/// Every piece of the building is a surface of its own, closed or (the roofs' slopes, the rows of rafters) with a border, and all are cut into
 /// triangles of about the same size, which follows from their number. Pieces much thinner than that size are left out, as a scanner
 /// misses them.
 #[derive(Debug, Clone, Copy, PartialEq)]

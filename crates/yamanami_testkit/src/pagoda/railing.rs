@@ -1,9 +1,9 @@
 //! A balcony: its floor on a skirt with blocks, and a railing of three rails that cross and turn up at the corners.
 
 use super::paint::Material::{PaleWood, Plaster, Wood};
-use super::part::{Parts, Pose, worn_box};
+use super::part::{Parts, Pose, disc, worn_box};
 use super::plan::{BALCONY_M, SKIRT_M, Storey};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// How far the rails' ends stand out over the corner.
 const OVER_M: f64 = 0.034;
@@ -38,17 +38,18 @@ pub(super) fn build(parts: &mut Parts, storey: &Storey) {
 /// Planks across the edge beam.
 fn floor(parts: &mut Parts, pose: Pose, storey: &Storey, edge: f64) {
     let z = storey.floor_z;
-    let planks = (2.0 * edge / 0.045).round() as usize;
     let from = storey.half_m - 0.02;
-    for i in 0..planks {
-        let x = |k: usize| (2.0 * k as f64 / planks as f64 - 1.0) * edge;
-        let (left, right) = (x(i) + 0.0006, x(i + 1) - 0.0006);
-        // at the corners the next side's planks take over, mitred
-        let inner = from.max(left.abs().max(right.abs()) - 2.2 * edge / planks as f64);
-        if edge - inner > 0.012 {
-            parts.bar(pose, [left, inner, z - 0.010], [right, edge, z], Wood);
-        }
-    }
+    let plank_m = 2.0 * edge / (2.0 * edge / 0.045).round();
+    let size = DVec3::new(2.0 * edge, edge - from, 0.010);
+    parts.bent(pose, size.to_array(), Wood, move |p| {
+        // mitred at the corners, where the next side's planks take over
+        let y = from + p.y * size.y;
+        let x = (2.0 * p.x - 1.0) * y;
+        let joint_m = (((x + edge) / plank_m + 0.5).fract() - 0.5).abs() * plank_m;
+        let groove = 0.0018 * (1.0 - joint_m / 0.0025).max(0.0);
+        let front = if p.y == 1.0 { groove } else { 0.0 };
+        DVec3::new(x, y - front, z - size.z * (1.0 - p.z) - if p.z == 1.0 { groove } else { 0.0 })
+    });
     parts.bar(pose, [-edge + 0.012, edge - 0.030, z - 0.026], [edge - 0.012, edge - 0.012, z - 0.009], Wood);
 }
 
@@ -61,7 +62,7 @@ fn supports(parts: &mut Parts, pose: Pose, storey: &Storey, skirt: f64) {
         [skirt + 0.008, skirt + 0.008, z - SKIRT_M + 0.012],
         Wood,
     );
-    let count = (2.0 * skirt / 0.095).round() as usize;
+    let count = (2.0 * skirt / 0.105).round() as usize;
     for i in 0..=count {
         let x = (2.0 * i as f64 / count as f64 - 1.0) * (skirt - 0.002);
         let size = DVec3::new(0.024, 0.026, 0.014);
@@ -100,23 +101,21 @@ fn rails(parts: &mut Parts, pose: Pose, storey: &Storey) {
         if i == count {
             continue;
         }
-        parts.bar(post, [-0.005, -0.005, -0.002], [0.005, 0.005, GROUND_RAIL_Z + 0.002], Wood);
-        parts.seen_with(MID_RAIL_M);
-        let half = if is_corner { 0.0062 } else { 0.0048 };
-        parts.bar(post, [-half, -half, GROUND_RAIL_Z + 0.010], [half, half, MID_RAIL_Z + 0.001], Wood);
-        parts.seen_with(MID_RAIL_M);
-        saddle(parts, post);
+        post_and_saddle(parts, post, if is_corner { 0.0065 } else { 0.0050 });
     }
 }
 
-/// The turned piece that carries the top rail: a waist, and a cup for the rail.
-fn saddle(parts: &mut Parts, pose: Pose) {
-    let (from, to) = (MID_RAIL_Z + 0.0055, TOP_RAIL_Z - 0.5 * TOP_RAIL_RADIUS_M);
-    let height_m = to - from;
-    let profile = move |t: f64| {
-        let r = 0.0052 - 0.0020 * (std::f64::consts::PI * t).sin() + 0.0016 * t * t;
-        [r, from + t * height_m]
-    };
-    parts.turned(pose, [0.0056, height_m], Wood, profile, |_, _| 0.0);
+/// A square post up to the middle rail, and on it the turned saddle that carries the top rail: a waist and a cup.
+fn post_and_saddle(parts: &mut Parts, pose: Pose, half_m: f64) {
+    let height_m = TOP_RAIL_Z - 0.5 * TOP_RAIL_RADIUS_M;
+    let square_to = MID_RAIL_Z + 0.5 * MID_RAIL_M;
+    parts.bent(pose, [2.0 * half_m, 2.0 * half_m, height_m], Wood, move |p| {
+        let (a, b) = (2.0 * p.x - 1.0, 2.0 * p.y - 1.0);
+        let z = p.z * height_m;
+        let t = ((z - square_to) / (height_m - square_to)).max(0.0);
+        let waist = 0.0052 - 0.0020 * (std::f64::consts::PI * t).sin() + 0.0016 * t * t;
+        let at = if t > 0.0 { disc(a, b) * waist } else { DVec2::new(a, b) * half_m };
+        at.extend(z - 0.002)
+    });
     parts.seen_with(MID_RAIL_M);
 }

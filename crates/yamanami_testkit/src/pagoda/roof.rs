@@ -190,7 +190,7 @@ fn corner_ridge(parts: &mut Parts, pose: Pose, roof: Roof) {
         roof.top_z(y, y)
     };
     let run_m = roof.eave_m - roof.inner_m;
-    let inner = roof.inner_m - 0.01;
+    let inner = roof.inner_m + 0.008;
     let main_end = roof.eave_m - 0.27 * run_m;
     for (from, to, height_m, half_m) in
         [(inner, main_end, 0.050, 0.019), (main_end - 0.03, roof.eave_m - 0.035, 0.030, 0.016)]
@@ -201,7 +201,7 @@ fn corner_ridge(parts: &mut Parts, pose: Pose, roof: Roof) {
         parts.bent(pose, [2.0 * half_m, length_m, height_m + sink_m], Material::Tile, move |p| {
             let y = from + p.y * length_m;
             // courses of flat tiles: grooves along the sides
-            let up = p.z * (height_m + sink_m);
+            let up = p.z * (height_m * start_low(y, from) + sink_m);
             let groove = 0.0022 * (0.5 + 0.5 * (TAU * up / 0.0125).cos());
             let narrow = 1.0 - 0.15 * p.z - groove / half_m;
             DVec3::new((2.0 * p.x - 1.0) * half_m * narrow, y, z_at(y) - sink_m + up + end_rise(y, to))
@@ -213,7 +213,7 @@ fn corner_ridge(parts: &mut Parts, pose: Pose, roof: Roof) {
             let y = from + p.y * (length_m + 0.006);
             let size = radius_m * (1.10 - 0.18 * ((to - y + 1.0) / TILE_M).fract());
             let section = disc(2.0 * p.x - 1.0, 2.0 * p.z - 1.0) * size;
-            DVec3::new(section.x, y, z_at(y) + height_m + 0.004 + section.y + end_rise(y, to))
+            DVec3::new(section.x, y, z_at(y) + height_m * start_low(y, from) + 0.004 + section.y + end_rise(y, to))
         });
         end_tile(parts, pose.moved(0.0, to + 0.004, z_at(to) + end_rise(to, to) - 0.012), height_m + 0.052);
     }
@@ -233,6 +233,11 @@ fn corner_ridge(parts: &mut Parts, pose: Pose, roof: Roof) {
         let relief = if p.y == 1.0 { disc_relief(section) } else { 0.0 };
         DVec3::new(0.017 * section.x, y + relief, z_at(y) + 0.004 + 0.017 * section.y)
     });
+}
+
+/// Ridges start low, under the balcony of the next storey.
+fn start_low(y: f64, from: f64) -> f64 {
+    0.25 + 0.75 * ((y - from) / 0.20).clamp(0.0, 1.0)
 }
 
 /// Ridges turn up towards their ends.

@@ -215,14 +215,16 @@ mod tests {
     #[test]
     fn a_clean_scan_is_a_manifold_with_or_without_noise() {
         assert_manifold(&Pagoda::new(150_000).to_mesh());
-        assert_manifold(&Pagoda { noise_m: Some(0.0), ..Pagoda::new(60_000) }.to_mesh());
+        assert_manifold(&Pagoda { noise_m: Some(0.0), ..Pagoda::new(500_000) }.to_mesh());
     }
 
     #[test]
-    fn closed_pieces_face_outward_and_only_roofs_have_borders() {
-        for order in [Pagoda::new(400_000), Pagoda { noise_m: Some(0.0), ..Pagoda::new(20_000) }] {
+    fn closed_pieces_face_outward_and_only_roofs_and_rafters_have_borders() {
+        // four slopes on five roofs, and two rows of rafters under each; the coarse scan misses the rafters
+        let coarse = Pagoda { noise_m: Some(0.0), ..Pagoda::new(20_000) };
+        for (order, borders) in [(Pagoda::new(400_000), 60), (coarse, 20)] {
             let pieces = volumes(&order);
-            assert_eq!(pieces.iter().filter(|p| !p.2).count(), 20, "four slopes on five roofs");
+            assert_eq!(pieces.iter().filter(|p| !p.2).count(), borders);
             for (piece, volume, closed) in pieces {
                 assert!(!closed || volume > 0.0, "piece {piece} has the volume {volume}");
             }
@@ -257,7 +259,7 @@ mod tests {
     fn holes_take_away_and_add_but_keep_the_number() {
         let order = Pagoda { holes: true, ..Pagoda::new(200_000) };
         let mesh = order.to_mesh();
-        assert!(mesh.triangles.len().abs_diff(200_000) < 4_000, "{}", mesh.triangles.len());
+        assert!(mesh.triangles.len().abs_diff(200_000) <= 2_000, "{}", mesh.triangles.len());
         let mut used = vec![false; mesh.positions.len()];
         mesh.triangles.iter().flatten().for_each(|&i| used[i as usize] = true);
         assert!(used.into_iter().all(|u| u), "no vertex is left over");
