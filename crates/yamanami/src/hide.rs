@@ -4,6 +4,7 @@
 
 use crate::polygon::cut_into_triangles;
 use crate::{Canvas, DrawWith, Error};
+use glam::DVec3;
 use std::collections::HashMap;
 use yamanami_core::{TriangleMesh, View};
 use yamanami_gpu::{software, vertex_normals};
@@ -81,56 +82,134 @@ pub struct Closing {
     pub left_open: usize,
 }
 
-/// Triangles that closing every border of a mesh takes: an upper bound, as some may be left open.
-pub fn closing_faces(mesh: &TriangleMesh) -> usize {
-    borders(mesh).iter().map(|border| border.len() - 2).sum()
+/// Closes every border of a mesh by one polygon. One that would show in the only view is moved along its rays to behind the
+/// model, with walls that are seen edge-on; where one shows all the same, or with several views, the border is left
+/// open. The mesh keeps the normals that it had open, so that the closing does not bend the light on what is seen.
+pub fn close(mesh: &TriangleMesh, views: &[View]) -> Result<(TriangleMesh, Closing), Error> {
+    let borders = borders(mesh);
+    let mut closed = mesh.clone();
+    if closed.normals.is_empty() {
+        closed.normals = vertex_normals(mesh);
+    }
+    // where one view is given, the polygon is laid out as that sees it: then it covers nothing beside the model
+    let flat: Vec<Patch> = borders.iter().map(|border| Patch::flat(mesh, border, views)).collect();
+    let shows = shown(&closed, &flat, views)?;
+    let moved: Vec<Patch> = match views {
+        [view] => {
+            let hidden = borders.iter().zip(&shows).map(|(border, shows)| match shows {
+                true => Patch::behind(mesh, border, view),
+                false => Patch::default(),
+            });
+            hidden.collect()
+        }
+        _ => vec![Patch::default(); borders.len()],
+    };
+    let moved_show = shown(&closed, &moved, views)?;
+    let mut closing = Closing::default();
+    for (i, border) in borders.iter().enumerate() {
+        let patch = match (shows[i], moved_show[i] || moved[i].triangles.is_empty()) {
+            (false, _) => &flat[i],
+            (true, false) => &moved[i],
+            (true, true) => {
+                closing.left_open += 1;
+                continue;
+            }
+        };
+        closing.polygons += 1;
+        closing.largest = closing.largest.max(border.len());
+        closing.faces += patch.triangles.len();
+        patch.put_on(&mut closed);
+    }
+    Ok((closed, closing))
 }
 
-/// Closes every border of a mesh by one polygon, unless that would show in a view. The mesh keeps the normals that it had
-/// open, so that the closing polygons do not bend the light on what is seen.
-pub fn close(mut mesh: TriangleMesh, views: &[View]) -> Result<(TriangleMesh, Closing), Error> {
-    let borders = borders(&mesh);
-    if mesh.normals.is_empty() {
-        mesh.normals = vertex_normals(&mesh);
-    }
-    let open = mesh.triangles.len();
-    let mut polygon_of = Vec::new();
-    for (number, border) in borders.iter().enumerate() {
-        // where one view is given, the polygon is laid out as that sees it: then it covers nothing beside the model
+/// What closes a border.
+#[derive(Debug, Clone, Default)]
+struct Patch {
+    /// Corners: below `first` the mesh's vertices, from there on those of `added`.
+    triangles: Vec<[u32; 3]>,
+    /// Vertices of the mesh that it was made for.
+    first: u32,
+    /// Vertices of its own, each a vertex of the mesh in another place.
+    added: Vec<(u32, DVec3)>,
+}
+
+impl Patch {
+    fn flat(mesh: &TriangleMesh, border: &[u32], views: &[View]) -> Self {
         let triangles = cut_into_triangles(&mesh.positions, border, views);
-        polygon_of.resize(polygon_of.len() + triangles.len(), number);
-        mesh.triangles.extend(triangles);
+        Self { triangles, first: mesh.positions.len() as u32, added: Vec::new() }
     }
-    let mut shown = vec![0u64; borders.len()];
-    let canvas = Canvas::of_mesh(&mesh, DrawWith::Software)?;
-    for view in views {
-        let mut in_view = vec![0u64; borders.len()];
-        let samples = software::visibility(canvas.buffers(), view)?.samples;
-        for (&polygon, &samples) in polygon_of.iter().zip(&samples[open..]) {
-            in_view[polygon] += u64::from(samples);
+
+    /// The polygon on a plane behind the whole mesh.
+    fn behind(mesh: &TriangleMesh, border: &[u32], view: &View) -> Self {
+        let depth = |p: DVec3| (p - view.eye).dot(view.forward());
+        let farthest = mesh.positions.iter().map(|&p| depth(p)).fold(0.0, f64::max);
+        let first = mesh.positions.len() as u32;
+        let pushed = |&v: &u32| {
+            let place = mesh.positions[v as usize];
+            (v, view.eye + (place - view.eye) * (farthest / depth(place)))
+        };
+        if border.iter().any(|&v| depth(mesh.positions[v as usize]) <= 0.0) {
+            return Self::default();
         }
-        shown.iter_mut().zip(in_view).for_each(|(most, one)| *most = (*most).max(one));
+        let added: Vec<(u32, DVec3)> = border.iter().map(pushed).collect();
+        let places: Vec<DVec3> = added.iter().map(|&(_, place)| place).collect();
+        let ring: Vec<u32> = (0..border.len() as u32).collect();
+        let mut triangles: Vec<[u32; 3]> = cut_into_triangles(&places, &ring, std::slice::from_ref(view))
+            .into_iter()
+            .map(|corners| corners.map(|c| c + first))
+            .collect();
+        for (k, &near) in border.iter().enumerate() {
+            let next = (k + 1) % border.len();
+            let (far, far_next) = (first + k as u32, first + next as u32);
+            triangles.extend([[near, border[next], far_next], [near, far_next, far]]);
+        }
+        Self { triangles, first, added }
     }
-    let stays = |polygon: usize| shown[polygon] <= MOST_SAMPLES_SHOWN;
-    let closing = Closing {
-        polygons: (0..borders.len()).filter(|&polygon| stays(polygon)).count(),
-        largest: (0..borders.len())
-            .filter(|&polygon| stays(polygon))
-            .map(|polygon| borders[polygon].len())
-            .max()
-            .unwrap_or(0),
-        faces: polygon_of.iter().filter(|&&polygon| stays(polygon)).count(),
-        left_open: (0..borders.len()).filter(|&polygon| !stays(polygon)).count(),
-    };
-    let mut number = 0;
-    mesh.triangles.retain(|_| {
-        number += 1;
-        number <= open || stays(polygon_of[number - open - 1])
-    });
-    if !mesh.material_of.is_empty() {
-        mesh.material_of.resize(mesh.triangles.len(), 0);
+
+    /// Adds the patch to the mesh, on which others may be already.
+    fn put_on(&self, mesh: &mut TriangleMesh) {
+        let now = mesh.positions.len() as u32;
+        let place = |c: u32| if c >= self.first { c - self.first + now } else { c };
+        mesh.triangles.extend(self.triangles.iter().map(|corners| corners.map(place)));
+        for &(like, position) in &self.added {
+            let like = like as usize;
+            mesh.positions.push(position);
+            again(&mut mesh.normals, like);
+            again(&mut mesh.colours, like);
+            again(&mut mesh.texcoords, like);
+        }
+        if !mesh.material_of.is_empty() {
+            mesh.material_of.resize(mesh.triangles.len(), 0);
+        }
     }
-    Ok((mesh, closing))
+}
+
+/// Appends an attribute once more, where the mesh has it.
+fn again<T: Copy>(attributes: &mut Vec<T>, like: usize) {
+    if let Some(&value) = attributes.get(like) {
+        attributes.push(value);
+    }
+}
+
+/// Which patches would show in a view, were all of them put on.
+fn shown(mesh: &TriangleMesh, patches: &[Patch], views: &[View]) -> Result<Vec<bool>, Error> {
+    let mut patched = TriangleMesh { normals: Vec::new(), ..mesh.clone() };
+    patches.iter().for_each(|patch| patch.put_on(&mut patched));
+    // normals do not decide what shows
+    patched.normals = vec![[0.0, 0.0, 1.0]; patched.positions.len()];
+    let canvas = Canvas::of_mesh(&patched, DrawWith::Software)?;
+    let mut shown = vec![false; patches.len()];
+    for view in views {
+        let samples = software::visibility(canvas.buffers(), view)?.samples;
+        let mut rest = &samples[mesh.triangles.len()..];
+        for (patch, shown) in patches.iter().zip(&mut shown) {
+            let (own, others) = rest.split_at(patch.triangles.len());
+            *shown |= own.iter().map(|&n| u64::from(n)).sum::<u64>() > MOST_SAMPLES_SHOWN;
+            rest = others;
+        }
+    }
+    Ok(shown)
 }
 
 /// The borders of a mesh as rings of vertices, turned so that a polygon on them faces out where the mesh does.
@@ -177,7 +256,6 @@ fn borders(mesh: &TriangleMesh) -> Vec<Vec<u32>> {
 mod tests {
     use super::*;
     use crate::model_views;
-    use glam::DVec3;
 
     /// A ball of so many rings of twice as many squares.
     fn ball(rings: u32) -> TriangleMesh {
@@ -212,14 +290,31 @@ mod tests {
         assert!(share > 0.35 && share < 0.6, "{share}");
         assert_eq!(borders(&seen.mesh).len(), 1);
         let before = Canvas::of_mesh(&seen.mesh, DrawWith::Software).unwrap();
-        let (closed, closing) = close(seen.mesh.clone(), &views).unwrap();
+        let (closed, closing) = close(&seen.mesh, &views).unwrap();
         assert_eq!((closing.polygons, closing.left_open), (1, 0));
         assert_eq!(closing.faces, closing.largest - 2);
-        assert_eq!(closing_faces(&seen.mesh), closing.faces);
         assert!(borders(&closed).is_empty(), "closed");
         let after = Canvas::of_mesh(&closed, DrawWith::Software).unwrap();
         let covered = |canvas: &Canvas| software::covered_pixels(canvas.buffers(), &views[0]).unwrap();
         assert_eq!(covered(&before), covered(&after));
+    }
+
+    /// A bowl seen from above its rim: a flat lid on the cut would lie over the hollow.
+    #[test]
+    fn a_polygon_that_would_show_goes_behind_the_model() {
+        let mut bowl = ball(24);
+        // the lower half, pressed flat where it was deep, with its rim bent down at one side
+        bowl.triangles.retain(|t| t.iter().all(|&c| bowl.positions[c as usize].z < 0.1));
+        let view =
+            View { eye: DVec3::new(0.0, 0.0, 6.0), target: DVec3::ZERO, fov_y_rad: 0.5, viewport_px: [160, 160] };
+        let border = borders(&bowl);
+        assert_eq!(border.len(), 1);
+        let (closed, closing) = close(&bowl, &[view]).unwrap();
+        assert_eq!((closing.polygons, closing.left_open), (1, 0));
+        assert_eq!(closing.faces, 3 * border[0].len() - 2);
+        assert_eq!(closed.positions.len(), bowl.positions.len() + border[0].len());
+        assert!(borders(&closed).is_empty(), "closed");
+        assert_eq!(closed.normals.len(), closed.positions.len());
     }
 
     #[test]
@@ -229,7 +324,7 @@ mod tests {
         // from no view the south pole is seen
         assert!(seen_side(&ball, &views).unwrap().hidden_faces < ball.triangles.len() / 3);
         ball.triangles.retain(|corners| !corners.contains(&0));
-        let (open, closing) = close(ball.clone(), &views).unwrap();
+        let (open, closing) = close(&ball, &views).unwrap();
         assert_eq!((closing.polygons, closing.left_open), (0, 1));
         assert_eq!(open.triangles, ball.triangles);
     }

@@ -44,7 +44,7 @@ pub use error::Error;
 pub use extract::{Extracted, Frame, extract, to_frame};
 pub use flight::{FlightMode, FlightOptions, FrameStats, Lod, fly};
 pub use flight_report::{FlightSummary, summary, write_flight_plots};
-pub use hide::{Closing, SeenSide, close, closing_faces, seen_side};
+pub use hide::{Closing, SeenSide, close, seen_side};
 pub use look::{LookLimits, LookSame, Original, Probe, look_same, worst_of};
 pub use mizuno::{MizunoModel, mizuno};
 pub use model_picture::{MODEL_BACKGROUND, model_pixels, model_style};

@@ -43,7 +43,10 @@ fn every_way_to_say_how_far_is_kept() {
             let result = json(folder, &format!("reduce %/ball.obj -o %/small.ply {how} --method {method}"));
             let faces = result["faces"].as_i64().unwrap();
             assert!((faces - target as i64).abs() <= 2, "{how} {method}: {result}");
-            assert_eq!((result["stopped_by"].as_str(), result["source_faces"].as_u64()), (Some("target"), Some(source)));
+            assert_eq!(
+                (result["stopped_by"].as_str(), result["source_faces"].as_u64()),
+                (Some("target"), Some(source))
+            );
             let seen = json(folder, "info %/small.ply");
             assert_eq!(seen["faces"].as_i64(), Some(faces), "{seen}");
         }

@@ -12,7 +12,7 @@ use yamanami::core::{TriangleMesh, View};
 use yamanami::io::mesh_file::{self, MeshMeta};
 use yamanami::multires::collapse::{CollapseOptions, Method};
 use yamanami::{
-    Closing, DisplayNeed, LookLimits, LookSame, POLYGONS_PER_PIXEL, Probe, Reduced, close, closing_faces, display_need,
+    Closing, DisplayNeed, LookLimits, LookSame, POLYGONS_PER_PIXEL, Probe, Reduced, ReducedBy, close, display_need,
     look_same, model_camera, model_views, reduce, seen_side,
 };
 
@@ -170,17 +170,15 @@ pub(crate) fn run(args: &ReduceArgs) -> Result<(), Failure> {
     };
     let mut closing = None;
     if args.hide_back == Some(HideName::Close) {
-        if target > 0 {
-            // the polygons count too
-            let closing = closing_faces(&reduced.mesh);
-            let room = target.saturating_sub(closing).max(1);
-            if reduced.mesh.triangles.len() > room {
-                let by = reduced.by;
-                reduced = Reduced { by, ..to_target(args, reduced.mesh, room) };
-            }
+        let bar = Bar::spinner("closing");
+        let (mut mesh, mut how) = close(&reduced.mesh, &views)?;
+        if target > 0 && mesh.triangles.len() > target && reduced.by == ReducedBy::Faces {
+            // the polygon counts too: the rest makes room for it
+            let room = target.saturating_sub(how.faces).max(1);
+            bar.set_job("making room");
+            reduced = Reduced { by: ReducedBy::Faces, ..to_target(args, reduced.mesh, room) };
+            (mesh, how) = close(&reduced.mesh, &views)?;
         }
-        let _bar = Bar::spinner("closing");
-        let (mesh, how) = close(reduced.mesh, &views)?;
         (reduced.mesh, closing) = (mesh, Some(how));
     }
     let reduce_s = started.elapsed().as_secs_f64();
