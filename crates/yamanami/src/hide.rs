@@ -9,8 +9,10 @@ use std::collections::HashMap;
 use yamanami_core::{TriangleMesh, View};
 use yamanami_gpu::{software, vertex_normals};
 
-/// A closing polygon that shows at more samples of a view than this (four a pixel) is left out.
+/// A closing polygon that shows at no more samples of a view than this (four a pixel) does not show.
 const MOST_SAMPLES_SHOWN: u64 = 16;
+/// Times that showing triangles of closing polygons are left out.
+const TRIMMING_ROUNDS: usize = 4;
 
 /// A model without the side that no view sees.
 #[derive(Debug, Clone)]
@@ -78,47 +80,55 @@ pub struct Closing {
     pub largest: usize,
     /// Triangles they were cut into.
     pub faces: usize,
-    /// Borders left open, because their polygon would show: holes of the source, or a cut that bulges.
+    /// Borders of which a part is left open, because the polygon would show there.
     pub left_open: usize,
 }
 
 /// Closes every border of a mesh by one polygon. One that would show in the only view is moved along its rays to behind the
-/// model, with walls that are seen edge-on; where one shows all the same, or with several views, the border is left
-/// open. The mesh keeps the normals that it had open, so that the closing does not bend the light on what is seen.
+/// model, with walls that are seen edge-on. Triangles of it that show all the same are left out: where a border crosses
+/// itself as seen, and over holes of the source. The mesh keeps the normals that it had open, so that the closing does
+/// not bend the light on what is seen.
 pub fn close(mesh: &TriangleMesh, views: &[View]) -> Result<(TriangleMesh, Closing), Error> {
     let borders = borders(mesh);
+    // where one view is given, the polygon is laid out as that sees it: then it covers nothing beside the model
+    let mut patches: Vec<Patch> = borders.iter().map(|border| Patch::flat(mesh, border, views)).collect();
+    if let [view] = views {
+        let shown = shown(mesh, &patches, views)?;
+        for ((patch, border), shown) in patches.iter_mut().zip(&borders).zip(shown) {
+            if shown.iter().sum::<u64>() > MOST_SAMPLES_SHOWN {
+                *patch = Patch::behind(mesh, border, view);
+            }
+        }
+    }
+    let whole: Vec<usize> = patches.iter().map(|patch| patch.triangles.len()).collect();
+    // what is left out may have hidden more of the same
+    for _ in 0..TRIMMING_ROUNDS {
+        let shown = shown(mesh, &patches, views)?;
+        let mut trimmed = false;
+        for (patch, shown) in patches.iter_mut().zip(shown) {
+            if shown.iter().sum::<u64>() > MOST_SAMPLES_SHOWN {
+                let mut samples = shown.into_iter();
+                patch.triangles.retain(|_| samples.next() == Some(0));
+                trimmed = true;
+            }
+        }
+        if !trimmed {
+            break;
+        }
+    }
     let mut closed = mesh.clone();
     if closed.normals.is_empty() {
         closed.normals = vertex_normals(mesh);
     }
-    // where one view is given, the polygon is laid out as that sees it: then it covers nothing beside the model
-    let flat: Vec<Patch> = borders.iter().map(|border| Patch::flat(mesh, border, views)).collect();
-    let shows = shown(&closed, &flat, views)?;
-    let moved: Vec<Patch> = match views {
-        [view] => {
-            let hidden = borders.iter().zip(&shows).map(|(border, shows)| match shows {
-                true => Patch::behind(mesh, border, view),
-                false => Patch::default(),
-            });
-            hidden.collect()
-        }
-        _ => vec![Patch::default(); borders.len()],
-    };
-    let moved_show = shown(&closed, &moved, views)?;
     let mut closing = Closing::default();
-    for (i, border) in borders.iter().enumerate() {
-        let patch = match (shows[i], moved_show[i] || moved[i].triangles.is_empty()) {
-            (false, _) => &flat[i],
-            (true, false) => &moved[i],
-            (true, true) => {
-                closing.left_open += 1;
-                continue;
-            }
-        };
-        closing.polygons += 1;
-        closing.largest = closing.largest.max(border.len());
-        closing.faces += patch.triangles.len();
-        patch.put_on(&mut closed);
+    for ((patch, border), whole) in patches.iter().zip(&borders).zip(whole) {
+        closing.left_open += usize::from(patch.triangles.len() < whole);
+        if !patch.triangles.is_empty() {
+            closing.polygons += 1;
+            closing.largest = closing.largest.max(border.len());
+            closing.faces += patch.triangles.len();
+            patch.put_on(&mut closed);
+        }
     }
     Ok((closed, closing))
 }
@@ -192,22 +202,18 @@ fn again<T: Copy>(attributes: &mut Vec<T>, like: usize) {
     }
 }
 
-/// Which patches would show in a view, were all of them put on.
-fn shown(mesh: &TriangleMesh, patches: &[Patch], views: &[View]) -> Result<Vec<bool>, Error> {
-    let mut patched = TriangleMesh { normals: Vec::new(), ..mesh.clone() };
+/// The most samples of any view at which each triangle of each patch shows, with all of them put on.
+fn shown(mesh: &TriangleMesh, patches: &[Patch], views: &[View]) -> Result<Vec<Vec<u64>>, Error> {
+    let mut patched = TriangleMesh::new(mesh.positions.clone(), mesh.triangles.clone());
     patches.iter().for_each(|patch| patch.put_on(&mut patched));
-    // normals do not decide what shows
+    // normals do not decide what shows, and need not be worked out
     patched.normals = vec![[0.0, 0.0, 1.0]; patched.positions.len()];
     let canvas = Canvas::of_mesh(&patched, DrawWith::Software)?;
-    let mut shown = vec![false; patches.len()];
+    let mut shown: Vec<Vec<u64>> = patches.iter().map(|patch| vec![0; patch.triangles.len()]).collect();
     for view in views {
         let samples = software::visibility(canvas.buffers(), view)?.samples;
-        let mut rest = &samples[mesh.triangles.len()..];
-        for (patch, shown) in patches.iter().zip(&mut shown) {
-            let (own, others) = rest.split_at(patch.triangles.len());
-            *shown |= own.iter().map(|&n| u64::from(n)).sum::<u64>() > MOST_SAMPLES_SHOWN;
-            rest = others;
-        }
+        let added = samples[mesh.triangles.len()..].iter();
+        shown.iter_mut().flatten().zip(added).for_each(|(most, &one)| *most = (*most).max(u64::from(one)));
     }
     Ok(shown)
 }

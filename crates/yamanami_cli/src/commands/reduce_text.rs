@@ -138,8 +138,8 @@ fn closing_text(closing: &Closing) -> String {
     };
     let open = match closing.left_open {
         0 => String::new(),
-        1 => "; one border is left open, where a polygon would show".to_owned(),
-        n => format!("; {n} borders are left open, where a polygon would show"),
+        1 => "; one border stays open where its polygon would show".to_owned(),
+        n => format!("; {n} borders stay open where their polygon would show"),
     };
     format!("{polygons} ({} triangles){open}", text::count(closing.faces as u64))
 }
