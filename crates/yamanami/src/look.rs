@@ -10,6 +10,9 @@ use yamanami_gpu::RenderOptions;
 use yamanami_measure::{FLIP_PIXELS_PER_DEGREE, ModelDifference, model_difference};
 use yamanami_multires::collapse::{CollapseOptions, Method};
 
+/// A move of the model that nobody sees, pixels: at 67 pixels a degree 6.7 seconds of arc.
+const UNSEEN_MOVE_PX: f64 = 0.125;
+
 /// Limits below which two pictures of a model look the same.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LookLimits {
@@ -32,6 +35,15 @@ impl LookLimits {
     pub fn hold(&self, difference: &ModelDifference) -> bool {
         difference.flip_mean <= self.flip_mean && difference.flip_p99 <= self.flip_p99 && difference.ssim >= self.ssim
     }
+
+    /// These limits, or what a difference that is not seen amounts to where that is more.
+    fn or_as_much_as(self, unseen: &ModelDifference) -> Self {
+        Self {
+            flip_mean: self.flip_mean.max(unseen.flip_mean),
+            flip_p99: self.flip_p99.max(unseen.flip_p99),
+            ssim: self.ssim.min(unseen.ssim),
+        }
+    }
 }
 
 /// A model's pictures, to hold others against.
@@ -39,13 +51,14 @@ impl LookLimits {
 pub struct Original {
     views: Vec<View>,
     pictures: Vec<RgbaImage>,
+    unseen: Vec<ModelDifference>,
     antialias: bool,
     flat: bool,
     with: DrawWith,
 }
 
 impl Original {
-    /// Draws a model in every view.
+    /// Draws a model in every view, and once more a little moved, to learn what such a move, which is not seen, amounts to.
     pub fn new(
         mesh: &TriangleMesh,
         views: &[View],
@@ -53,14 +66,33 @@ impl Original {
         flat: bool,
         with: DrawWith,
     ) -> Result<Self, Error> {
-        let mut original = Self { views: views.to_vec(), pictures: Vec::new(), antialias, flat, with };
+        let (pictures, unseen) = (Vec::new(), Vec::new());
+        let mut original = Self { views: views.iter().map(moved).collect(), pictures, unseen, antialias, flat, with };
+        let moved = original.draw(mesh)?;
+        original.views = views.to_vec();
         original.pictures = original.draw(mesh)?;
+        original.unseen = original.differences(&moved)?;
         Ok(original)
     }
 
     /// The pictures, view by view.
     pub fn pictures(&self) -> &[RgbaImage] {
         &self.pictures
+    }
+
+    /// How much the model differs from itself moved by an eighth of a pixel, view by view.
+    pub fn unseen(&self) -> &[ModelDifference] {
+        &self.unseen
+    }
+
+    /// The limits in force, view by view.
+    pub fn limits(&self) -> Vec<LookLimits> {
+        self.unseen.iter().map(|unseen| LookLimits::default().or_as_much_as(unseen)).collect()
+    }
+
+    /// Whether none of the differences, view by view, can be seen.
+    pub fn looks_same(&self, differences: &[ModelDifference]) -> bool {
+        self.limits().iter().zip(differences).all(|(limits, difference)| limits.hold(difference))
     }
 
     /// Pictures of another model, drawn alike.
@@ -75,6 +107,15 @@ impl Original {
         let compare = |(own, other)| Ok(model_difference(own, other, MODEL_BACKGROUND, FLIP_PIXELS_PER_DEGREE)?);
         self.pictures.iter().zip(pictures).map(compare).collect()
     }
+}
+
+/// The view moved to the right and up, by [`UNSEEN_MOVE_PX`] at its target.
+fn moved(view: &View) -> View {
+    let pixel_m = (view.target - view.eye).length() / view.pixels_per_radian();
+    let right = view.forward().cross(view.up()).normalize();
+    let up = right.cross(view.forward());
+    let step = (right + up).normalize() * (UNSEEN_MOVE_PX * pixel_m);
+    View { eye: view.eye + step, target: view.target + step, ..*view }
 }
 
 /// The worst of each measure over several views.
@@ -108,6 +149,8 @@ pub struct LookSame {
     pub reduced: Reduced,
     /// The pixels that the source covers, view by view.
     pub covered_px: Vec<u64>,
+    /// The limits, view by view.
+    pub limits: Vec<LookLimits>,
     /// What was tried, in order.
     pub probes: Vec<Probe>,
     /// Its difference from the source, the worst of the views; `None` where nothing smaller looks the same.
@@ -126,7 +169,6 @@ const FEWEST_FACES: usize = 16;
 pub fn look_same(
     mesh: TriangleMesh,
     views: &[View],
-    limits: LookLimits,
     method: Method,
     progress: &dyn Fn(&Probe),
 ) -> Result<LookSame, Error> {
@@ -134,15 +176,14 @@ pub fn look_same(
     let covered_px = model_pixels(&Canvas::of_mesh(&mesh, DrawWith::Software)?, views)?;
     let source = (method == Method::Garland97).then(|| mesh.clone());
     let start = Reduced { mesh, by: ReducedBy::Nothing, estimate_m: 0.0 };
-    let search = Search { original: &original, limits, method, source: source.as_ref() };
+    let search = Search { original: &original, method, source: source.as_ref() };
     let (reduced, difference, probes) = search.between(start, FEWEST_FACES, progress)?;
-    Ok(LookSame { reduced, covered_px, probes, difference })
+    Ok(LookSame { reduced, covered_px, limits: original.limits(), probes, difference })
 }
 
 /// The search itself.
 pub(crate) struct Search<'a> {
     pub(crate) original: &'a Original,
-    pub(crate) limits: LookLimits,
     pub(crate) method: Method,
     /// Where probes start, if not from the mesh before.
     pub(crate) source: Option<&'a TriangleMesh>,
@@ -163,9 +204,10 @@ impl Search<'_> {
             let from = self.source.unwrap_or(&best.mesh).clone();
             let options = CollapseOptions { target_faces, method: self.method, ..CollapseOptions::default() };
             let tried = reduce(from, &options);
-            let pictures = self.original.draw(&tried.mesh)?;
-            let Some(worst) = worst_of(&self.original.differences(&pictures)?) else { break };
-            let probe = Probe { faces: tried.mesh.triangles.len(), difference: worst, same: self.limits.hold(&worst) };
+            let differences = self.original.differences(&self.original.draw(&tried.mesh)?)?;
+            let Some(worst) = worst_of(&differences) else { break };
+            let same_look = self.original.looks_same(&differences);
+            let probe = Probe { faces: tried.mesh.triangles.len(), difference: worst, same: same_look };
             progress(&probe);
             probes.push(probe);
             if !probe.same {
@@ -211,19 +253,27 @@ mod tests {
     fn the_smallest_mesh_that_looks_the_same_does_and_smaller_ones_do_not() {
         let mesh = sheet(60);
         let views = model_views(&mesh.positions, 2, [128, 96]);
-        let limits = LookLimits::default();
-        let found = look_same(mesh.clone(), &views, limits, Method::Memoryless, &|_| ()).unwrap();
+        let found = look_same(mesh.clone(), &views, Method::Memoryless, &|_| ()).unwrap();
         let faces = found.reduced.mesh.triangles.len();
         assert!(faces < mesh.triangles.len() / 2, "{faces}");
         let original = Original::new(&mesh, &views, true, false, DrawWith::Software).unwrap();
         let pictures = original.draw(&found.reduced.mesh).unwrap();
-        assert!(limits.hold(&worst_of(&original.differences(&pictures).unwrap()).unwrap()));
+        assert!(original.looks_same(&original.differences(&pictures).unwrap()));
         let largest_failing = found.probes.iter().filter(|p| !p.same).map(|p| p.faces).max();
         assert!(largest_failing.is_some_and(|f| f < faces), "{:?}", found.probes);
-        // no picture differs by less than nothing
-        let strict = LookLimits { flip_mean: -1.0, ..limits };
-        let same = look_same(mesh.clone(), &views, strict, Method::Memoryless, &|_| ()).unwrap();
-        assert_eq!((same.reduced.by, same.difference), (ReducedBy::Nothing, None));
-        assert_eq!(same.reduced.mesh, mesh);
+    }
+
+    #[test]
+    fn a_move_that_is_not_seen_sets_the_limits_where_it_is_more() {
+        let unseen = |flip_mean, flip_p99, ssim| {
+            let mesh = sheet(4);
+            let views = model_views(&mesh.positions, 1, [64, 48]);
+            let original = Original::new(&mesh, &views, true, false, DrawWith::Software).unwrap();
+            ModelDifference { flip_mean, flip_p99, ssim, ..original.unseen()[0] }
+        };
+        let usual = LookLimits::default();
+        assert_eq!(usual.or_as_much_as(&unseen(0.01, 0.05, 0.999)), usual);
+        let raised = usual.or_as_much_as(&unseen(0.05, 0.2, 0.9));
+        assert_eq!((raised.flip_mean, raised.flip_p99, raised.ssim), (0.05, 0.2, 0.9));
     }
 }

@@ -73,8 +73,10 @@ pub(crate) struct OnDisplay {
     pub(crate) pixels: u64,
     /// From the most polygons down.
     pub(crate) rungs: Vec<Rung>,
-    /// Difference of the source from itself, moved by a quarter of a pixel, by style.
-    pub(crate) moved: Vec<ModelDifference>,
+    /// Difference of the source from itself moved by an eighth of a pixel, by style.
+    pub(crate) unseen: Vec<ModelDifference>,
+    /// Limits below which pictures look the same, by style.
+    pub(crate) limits: Vec<LookLimits>,
     /// Names and pictures of the parts: of the source, and by the paper's k.
     pub(crate) cuts: Vec<(String, RgbaImage, Vec<Option<RgbaImage>>)>,
     /// The smallest mesh that looks the same: faces and difference; `None` where only the source itself does.
@@ -98,11 +100,9 @@ pub(crate) struct Findings {
 /// path. `progress` hears what is being done.
 pub fn mizuno(models: Vec<MizunoModel>, out: &Path, progress: &dyn Fn(&str)) -> Result<PathBuf, Error> {
     std::fs::create_dir_all(out).map_err(|source| Error::File { path: out.to_owned(), source })?;
-    let limits = LookLimits::default();
-    let findings =
-        models.into_iter().map(|model| experiment(model, limits, progress)).collect::<Result<Vec<_>, _>>()?;
+    let findings = models.into_iter().map(|model| experiment(model, progress)).collect::<Result<Vec<_>, _>>()?;
     progress("writing the page");
-    write_page(&findings, limits, out)
+    write_page(&findings, out)
 }
 
 /// A display being worked on.
@@ -115,7 +115,7 @@ struct Stage {
     fails: usize,
 }
 
-fn experiment(model: MizunoModel, limits: LookLimits, progress: &dyn Fn(&str)) -> Result<Findings, Error> {
+fn experiment(model: MizunoModel, progress: &dyn Fn(&str)) -> Result<Findings, Error> {
     let MizunoModel { name, title, mesh, camera, fov_y_rad, regions } = model;
     let source_faces = mesh.triangles.len();
     let view_of = |size_px: [u32; 2]| match camera {
@@ -146,7 +146,7 @@ fn experiment(model: MizunoModel, limits: LookLimits, progress: &dyn Fn(&str)) -
         steps.extend(LADDER.map(|k| ((k * stage.found.pixels as f64).round() as usize, k, i)));
     }
     steps.sort_by(|a, b| b.0.cmp(&a.0).then(a.2.cmp(&b.2)));
-    let mut at = seen;
+    let mut at = seen.clone();
     for (target, k, i) in steps {
         let stage = &mut stages[i];
         if target >= seen_faces {
@@ -159,12 +159,12 @@ fn experiment(model: MizunoModel, limits: LookLimits, progress: &dyn Fn(&str)) -
             stage.found.size_px[0], stage.found.size_px[1]
         ));
         at = reduce(at, &CollapseOptions { target_faces: target, ..CollapseOptions::default() }).mesh;
-        stage.measure(&at, k, limits)?;
+        stage.measure(&at, k)?;
     }
     let mut displays = Vec::new();
     for stage in stages {
         progress(&format!("{name}: what looks the same on {} x {}", stage.found.size_px[0], stage.found.size_px[1]));
-        displays.push(stage.search(limits)?);
+        displays.push(stage.search(&seen)?);
     }
     Ok(Findings { name, title, source_faces, seen_faces, displays, full })
 }
@@ -172,21 +172,16 @@ fn experiment(model: MizunoModel, limits: LookLimits, progress: &dyn Fn(&str)) -
 impl Stage {
     fn new(mesh: &TriangleMesh, view: View, styles: &[Style], regions: &[(String, DVec3, f64)]) -> Result<Self, Error> {
         let pixels = display_need(mesh, &[view], 1.0)?.pixels;
-        let draw = |view: View| {
-            let of = |style: &Style| Original::new(mesh, &[view], style.antialias, style.flat, DrawWith::Auto);
-            styles.iter().map(of).collect::<Result<Vec<_>, _>>()
-        };
-        let originals = draw(view)?;
-        let moved = draw(moved(&view, 0.25))?;
-        let moved = originals.iter().zip(&moved).map(|(original, moved)| worst(original, moved.pictures()));
-        let moved = moved.collect::<Result<Vec<_>, _>>()?;
+        let of = |style: &Style| Original::new(mesh, &[view], style.antialias, style.flat, DrawWith::Auto);
+        let originals = styles.iter().map(of).collect::<Result<Vec<_>, _>>()?;
         let cuts = cuts_of(regions, &view, &originals[0].pictures()[0]);
         let of_source = |cut: &Cut| (cut.name.clone(), cut.out_of(&originals[0].pictures()[0]), Vec::new());
         let found = OnDisplay {
             size_px: view.viewport_px,
             pixels,
             rungs: Vec::new(),
-            moved,
+            unseen: originals.iter().flat_map(|original| original.unseen().to_vec()).collect(),
+            limits: originals.iter().flat_map(Original::limits).collect(),
             cuts: cuts.iter().map(of_source).collect(),
             look: None,
         };
@@ -200,7 +195,7 @@ impl Stage {
         }
     }
 
-    fn measure(&mut self, mesh: &TriangleMesh, k: f64, limits: LookLimits) -> Result<(), Error> {
+    fn measure(&mut self, mesh: &TriangleMesh, k: f64) -> Result<(), Error> {
         let faces = mesh.triangles.len();
         let mut differences = Vec::new();
         for (number, original) in self.originals.iter().enumerate() {
@@ -212,7 +207,7 @@ impl Stage {
                 }
             }
         }
-        if limits.hold(&differences[0]) {
+        if self.found.limits[0].hold(&differences[0]) {
             self.best = Some((mesh.clone(), differences[0]));
             self.fails = 0;
         } else if self.fails == 0 {
@@ -223,13 +218,13 @@ impl Stage {
     }
 
     /// Narrows down the smallest mesh that looks the same.
-    fn search(mut self, limits: LookLimits) -> Result<OnDisplay, Error> {
-        if let Some((mesh, difference)) = self.best.take() {
-            let search = Search { original: &self.originals[0], limits, method: Method::Memoryless, source: None };
-            let start = Reduced { mesh, by: ReducedBy::Faces, estimate_m: 0.0 };
-            let (best, better, _) = search.between(start, self.fails.max(1), &|_| ())?;
-            self.found.look = Some((best.mesh.triangles.len(), better.unwrap_or(difference)));
-        }
+    fn search(mut self, source: &TriangleMesh) -> Result<OnDisplay, Error> {
+        let (mesh, difference) = self.best.take().unzip();
+        let mesh = mesh.unwrap_or_else(|| source.clone());
+        let search = Search { original: &self.originals[0], method: Method::Memoryless, source: None };
+        let start = Reduced { mesh, by: ReducedBy::Faces, estimate_m: 0.0 };
+        let (best, better, _) = search.between(start, self.fails.max(1), &|_| ())?;
+        self.found.look = better.or(difference).map(|difference| (best.mesh.triangles.len(), difference));
         Ok(self.found)
     }
 }
@@ -238,11 +233,4 @@ impl Stage {
 fn worst(original: &Original, pictures: &[RgbaImage]) -> Result<ModelDifference, Error> {
     let differences = original.differences(pictures)?;
     worst_of(&differences).ok_or_else(|| Error::Request("expected a view, given none".to_owned()))
-}
-
-/// The view moved sideways by a part of a pixel at its target.
-fn moved(view: &View, part_px: f64) -> View {
-    let pixel_m = (view.target - view.eye).length() / view.pixels_per_radian();
-    let step = view.forward().cross(view.up()).normalize() * (part_px * pixel_m);
-    View { eye: view.eye + step, target: view.target + step, ..*view }
 }

@@ -9,7 +9,7 @@ use yamanami_core::{Perspective, Projection, View};
 use yamanami_measure::plot::{Sheet, SheetRow, sheet};
 
 /// Side of the sheet's cells.
-const CELL_PX: u32 = 168;
+const CELL_PX: u32 = 216;
 
 /// A square of a picture.
 #[derive(Debug, Clone)]
@@ -79,7 +79,10 @@ pub(crate) fn write_sheet(display: &OnDisplay, title: &str, path: &Path) -> Resu
         SheetRow { name: name.clone(), cells }
     });
     let rows = rows.collect();
-    Ok(sheet(path, &Sheet { title: title.to_owned(), columns, rows, cell_px: CELL_PX })?)
+    Ok(sheet(
+        path,
+        &Sheet { title: title.to_owned(), columns, rows, cell_px: CELL_PX, empty: "source too small".to_owned() },
+    )?)
 }
 
 /// `1/10 ×`, `50 ×`.

@@ -12,8 +12,8 @@ use yamanami::core::{TriangleMesh, View};
 use yamanami::io::mesh_file::{self, MeshMeta};
 use yamanami::multires::collapse::{CollapseOptions, Method};
 use yamanami::{
-    Closing, DisplayNeed, LookLimits, LookSame, POLYGONS_PER_PIXEL, Probe, Reduced, ReducedBy, close, display_need,
-    look_same, model_camera, model_views, reduce, seen_side,
+    Closing, DisplayNeed, LookSame, POLYGONS_PER_PIXEL, Probe, Reduced, ReducedBy, close, display_need, look_same,
+    model_camera, model_views, reduce, seen_side,
 };
 
 /// Reduce a model to fewer polygons: to a number, to an error, or to what a display can show
@@ -225,7 +225,7 @@ fn look(args: &ReduceArgs, mesh: TriangleMesh, views: &[View]) -> Result<LookSam
         let looks = if probe.same { "look the same" } else { "do not" };
         bar.set_job(&format!("looking: {} faces {looks}", probe.faces));
     };
-    Ok(look_same(mesh, views, LookLimits::default(), args.method.method(), &progress)?)
+    Ok(look_same(mesh, views, args.method.method(), &progress)?)
 }
 
 /// The views that the display shows.

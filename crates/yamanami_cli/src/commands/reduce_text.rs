@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::{out, text};
 use serde_json::json;
 use yamanami::measure::ModelDifference;
-use yamanami::{Closing, LookSame, Probe, ReducedBy};
+use yamanami::{Closing, LookLimits, LookSame, Probe, ReducedBy};
 
 /// Prints the outcome.
 pub(super) fn tell(told: &Told<'_>) -> Result<(), Failure> {
@@ -55,9 +55,11 @@ fn as_json(told: &Told<'_>) -> Result<(), Failure> {
     if let Some(look) = told.look {
         let measures =
             |d: &ModelDifference| json!({ "flip_mean": d.flip_mean, "flip_p99": d.flip_p99, "ssim": d.ssim });
+        let limits = |l: &LookLimits| json!({ "flip_mean": l.flip_mean, "flip_p99": l.flip_p99, "ssim": l.ssim });
         let probe = |p: &Probe| json!({ "faces": p.faces, "same": p.same, "difference": measures(&p.difference) });
         result["look"] = json!({
             "difference": look.difference.as_ref().map(measures),
+            "limits": look.limits.iter().map(limits).collect::<Vec<_>>(),
             "probes": look.probes.iter().map(probe).collect::<Vec<_>>(),
         });
     }
@@ -156,6 +158,21 @@ fn look_rows(look: &LookSame) -> Result<(), Failure> {
             ),
         )?;
     }
+    // the range over the views
+    let range = |measure: fn(&LookLimits) -> f64| {
+        let values = look.limits.iter().map(measure);
+        let (low, high) = values.fold((f64::INFINITY, 0f64), |(low, high), v| (low.min(v), high.max(v)));
+        if high - low < 1e-9 { text::number(low) } else { format!("{} to {}", text::number(low), text::number(high)) }
+    };
+    out::row(
+        "limits",
+        format_args!(
+            "FLIP {} in the mean, {} at one pixel in a hundred; SSIM {}",
+            range(|l| l.flip_mean),
+            range(|l| l.flip_p99),
+            range(|l| l.ssim)
+        ),
+    )?;
     let tried: Vec<String> = look
         .probes
         .iter()

@@ -27,6 +27,8 @@ pub struct Sheet {
     pub rows: Vec<SheetRow>,
     /// Side of a cell, pixels. Pictures are enlarged by whole numbers, so that their own pixels stay to be seen.
     pub cell_px: u32,
+    /// What stands in empty cells.
+    pub empty: String,
 }
 
 /// A row of a sheet.
@@ -81,6 +83,11 @@ fn picture(sheet: &Sheet) -> Result<RgbImage, Box<dyn std::error::Error>> {
         }
         for (row, y) in sheet.rows.iter().zip((top..).step_by(step as usize)) {
             text(&row.name, (GAP_PX, y + step / 2), 15, HPos::Left)?;
+            for (cell, x) in row.cells.iter().take(sheet.columns.len()).zip((NAMES_PX..).step_by(step as usize)) {
+                if cell.is_none() {
+                    text(&sheet.empty, (x + (step - GAP_PX) / 2, y + (step - GAP_PX) / 2), 13, HPos::Center)?;
+                }
+            }
         }
         root.present().map_err(|e| e.to_string())?;
     }
@@ -109,6 +116,7 @@ mod tests {
             columns: (0..columns).map(|k| format!("{k} ×")).collect(),
             rows: vec![SheetRow { name: "roof".into(), cells: vec![Some(red.clone()), None] }],
             cell_px: 60,
+            empty: "none".into(),
         };
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("sheet.png");
