@@ -7,6 +7,7 @@
 
 mod bvh;
 mod conformity;
+mod covered;
 mod distance;
 mod error;
 mod flip;
@@ -17,6 +18,7 @@ mod vertical;
 
 pub use bvh::{Closest, SurfaceIndex};
 pub use conformity::{ConformityReport, conformity};
+pub use covered::{ModelDifference, model_difference};
 pub use distance::{OneWayDistance, SurfaceDistance, surface_distance};
 pub use error::MeasureError;
 pub use flip::{FLIP_PIXELS_PER_DEGREE, FlipReport, flip};

@@ -3,6 +3,7 @@
 //! [`SyntheticTerrain`] makes height fields of any size, whole or by windows. [`laws`] holds the contracts of
 //! [`yamanami_core::Hierarchy`] and [`yamanami_core::Surface`] as checks that panic with what was broken and where, so
 //! that a law is written once and run over every method. [`RandomFront`] wanders through the legal fronts of a hierarchy.
+//! [`Pagoda`] is a made laser scan of a building, up to 20 million triangles.
 #![forbid(unsafe_code)]
 
 mod conforming;
@@ -10,6 +11,7 @@ mod fractal;
 mod front;
 mod holes;
 pub mod laws;
+mod pagoda;
 pub mod rng;
 mod strict_sink;
 mod terrain;
@@ -17,6 +19,7 @@ mod terrain;
 pub use conforming::check_conforming;
 pub use front::{RandomFront, Step};
 pub use holes::Holes;
+pub use pagoda::{Pagoda, Region};
 pub use rng::Rng;
 pub use strict_sink::StrictSink;
 pub use terrain::{Shape, Spacing, SyntheticTerrain};

@@ -5,9 +5,11 @@
 //! hand, and the volume is kept); Hoppe, "New Quadric Metric for Simplifying Meshes with Appearance Attributes", 1999.
 
 mod appearance;
+mod appearance_sum;
 mod garland;
 mod lanes;
 mod order;
+mod patches;
 mod plane_sum;
 mod prepare;
 mod quadric;
@@ -17,7 +19,7 @@ mod surroundings;
 mod work;
 
 use prepare::Prepared;
-use rounds::{Rounds, Stop};
+use rounds::Stop;
 use yamanami_core::TriangleMesh;
 
 /// Which collapse.
@@ -129,8 +131,12 @@ pub fn collapse(mesh: &TriangleMesh, options: &CollapseOptions<'_>) -> Collapsed
     };
     let (stopped_by, estimate) = match options.method {
         Method::Memoryless => {
-            let mut rounds = Rounds::new(&mut prepared.work, &mut prepared.sources);
-            (rounds.run(stop, &progress), rounds.worst)
+            let diagonal = mesh.bounds().diagonal() / metres;
+            let AttributeWeights { normal, colour, texcoord } = options.weights;
+            let [normal, colour, texcoord] = [normal, colour, texcoord].map(|w| w * diagonal);
+            let scales = prepared.work.appearance.scales(normal, colour, texcoord);
+            let n = mesh.positions.len();
+            patches::run(&mut prepared.work, &mut prepared.sources, n, scales, stop, &progress)
         }
         Method::Garland97 => garland::run(&mut prepared.work, stop, &progress),
     };
