@@ -66,7 +66,8 @@ fn triangles_through_the_eye_are_cut_without_a_gap() {
 fn covered_pixels_are_those_of_the_geometry() {
     // A square of 2 x 2 m seen squarely from 10 m away.
     let positions = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| DVec3::new(x, y, 0.0));
-    let mesh = TriangleMesh { positions: positions.into(), triangles: vec![[0, 1, 2], [0, 2, 3]], ..TriangleMesh::default() };
+    let mesh =
+        TriangleMesh { positions: positions.into(), triangles: vec![[0, 1, 2], [0, 2, 3]], ..TriangleMesh::default() };
     let buffers = ResidentBuffers::from_mesh(&mesh);
     let view =
         View { eye: DVec3::Z * 10.0, target: DVec3::ZERO, fov_y_rad: 2.0 * 0.25f64.atan(), viewport_px: [400, 200] };

@@ -30,7 +30,7 @@ where
     [x, z, -y]
 }
 
-pub(super) fn write(out: &mut impl Write, mesh: &TriangleMesh, meta: &MeshMeta) -> Result<()> {
+pub(super) fn write(out: &mut dyn Write, mesh: &TriangleMesh, meta: &MeshMeta) -> Result<()> {
     let origin = mesh.bounds().centre().round();
     let local = |p: DVec3| Vec3::from(y_up((p - origin).as_vec3().to_array()));
     let (mut min, mut max) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
