@@ -14,11 +14,17 @@
 mod atomic;
 mod checked;
 mod companions;
-mod glb_read;
 mod glb_write;
+mod gltf_buffers;
+mod gltf_json;
+mod gltf_materials;
+mod gltf_read;
+mod meshopt_decode;
+mod meshopt_filter;
 mod mtl;
 mod obj_read;
 mod obj_write;
+mod off;
 mod origin;
 mod packing;
 mod ply_header;
@@ -28,10 +34,12 @@ mod ply_vertices;
 mod ply_write;
 mod polygon;
 mod seams;
+mod srgb;
 mod stl;
 
 use crate::IoError;
 use companions::Pictures;
+pub use meshopt_decode::{MeshoptFilter, MeshoptMode, decode_meshopt};
 use origin::Origin;
 use packing::Packing;
 use std::path::Path;
@@ -69,7 +77,9 @@ enum Format {
     Ply,
     Obj,
     Stl,
+    Off,
     Glb,
+    Gltf,
 }
 
 impl Format {
@@ -80,11 +90,13 @@ impl Format {
             "ply" => Ok(Self::Ply),
             "obj" => Ok(Self::Obj),
             "stl" => Ok(Self::Stl),
+            "off" => Ok(Self::Off),
             "glb" => Ok(Self::Glb),
+            "gltf" => Ok(Self::Gltf),
             _ => Err(IoError::unsupported(
                 name,
                 format!("'{extension}' is not a mesh format known here"),
-                "use .ply, .obj, .stl or .glb",
+                "use .ply, .obj, .stl, .off, .glb or .gltf",
             )),
         }
     }
@@ -122,10 +134,12 @@ pub fn write_mesh(path: impl AsRef<Path>, mesh: &TriangleMesh, meta: &MeshMeta) 
             atomic::write(path, packing, |out| obj_write::write(out, mesh, meta, &library, &materials))
         }
         Format::Stl => atomic::write(path, packing, |out| stl::write(out, mesh, meta)),
+        Format::Off => atomic::write(path, packing, |out| off::write(out, mesh, meta)),
         Format::Glb => {
             glb_write::check_size(path, mesh)?;
             atomic::write(path, packing, |out| glb_write::write(out, mesh, meta))
         }
+        Format::Gltf => Err(IoError::unsupported(path, "glTF is written as one binary file", "use .glb")),
     }
 }
 
@@ -167,7 +181,9 @@ fn read(mut origin: Origin<'_>, bytes: &[u8]) -> Result<ReadMesh, IoError> {
         Format::Ply => ply_read::read(&mut origin, &bytes),
         Format::Obj => obj_read::read(&mut origin, &bytes),
         Format::Stl => stl::read(origin.name, &bytes),
-        Format::Glb => glb_read::read(origin.name, &bytes),
+        Format::Off => off::read(&mut origin, &bytes),
+        Format::Glb => gltf_read::read_binary(&mut origin, &bytes),
+        Format::Gltf => gltf_read::read_text(&mut origin, &bytes),
     }?;
     let mesh = checked::readable(&mut origin, mesh)?;
     Ok(ReadMesh { mesh, notes: origin.into_notes() })
