@@ -1,8 +1,8 @@
 //! Errors between surfaces and between pictures.
 //!
 //! [`vertical_error`] holds a terrain mesh against every sample of its height field, [`conformity`] looks for cracks,
-//! T-vertices and flipped triangles, [`mesh_defects`] for what is wrong with a scan, [`surface_distance`] gives the two-sided distance of any two meshes, [`ssim`] and
-//! [`flip`] compare pictures, and [`plot`] draws what was measured.
+//! T-vertices and flipped triangles, [`mesh_defects`] for what is wrong with a scan, [`surface_distance`] gives the
+//! two-sided distance of any two meshes, [`ssim`] and [`flip`] compare pictures, and [`plot`] draws what was measured.
 #![forbid(unsafe_code)]
 
 mod bvh;
