@@ -76,7 +76,8 @@ fn print(
         if list.is_empty() { otherwise.to_owned() } else { list }
     };
     out::row("file", format_args!("{}, {}", path.display(), text::bytes(bytes)))?;
-    let format = path.extension().unwrap_or_default().to_string_lossy().to_uppercase();
+    let name = path.file_name().unwrap_or_default().to_string_lossy().to_uppercase();
+    let format = name.trim_end_matches(".GZ").trim_end_matches(".ZST").rsplit('.').next().unwrap_or_default();
     let terrain = if t_vertices.is_some() { ", a terrain: nothing folds over" } else { "" };
     out::row("format", format_args!("{format} mesh{terrain}"))?;
     out::row("faces", count(found.triangles))?;
@@ -105,7 +106,11 @@ fn print(
     }
     out::row("components", count(found.components))?;
     let border = [("open edges", found.open_edges)];
-    let loops = if found.open_edges > 0 { format!(" in {} loops", count(found.border_loops)) } else { String::new() };
+    let loops = match found.border_loops {
+        0 => String::new(),
+        1 => " in 1 loop".to_owned(),
+        n => format!(" in {} loops", count(n)),
+    };
     out::row("border", format_args!("{}{loops}", listed(&border, "closed")))?;
     let defects = [
         ("non-manifold edges", found.non_manifold_edges),

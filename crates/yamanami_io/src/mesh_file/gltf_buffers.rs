@@ -168,6 +168,10 @@ impl<'a> Buffers<'a> {
             let expected = ["SCALAR", "VEC2", "VEC3", "VEC4"][width.clamp(1, 4) - 1];
             return Err(origin.bad(place, expected, given));
         }
+        if let Some(view) = accessor.buffer_view {
+            // a buffer that is missing is worth telling before a count that is too large without it
+            self.view(origin, view)?;
+        }
         self.spend(origin, accessor.count)?;
         let component = component(origin, &place, accessor.component_type)?;
         let scale = component.largest();
