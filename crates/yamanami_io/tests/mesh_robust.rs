@@ -84,7 +84,7 @@ const WORDS: [&[u8]; 12] = [
 fn bytes_flipped_cut_and_spliced_never_panic() {
     let samples = samples();
     let mut noise = Noise(0x5eed_5eed_5eed_5eed);
-    for case in 0..12_000 {
+    for case in 0..30_000 {
         let (name, original) = &samples[case % samples.len()];
         let mut bytes = original.clone();
         for _ in 0..1 + noise.below(3) {
