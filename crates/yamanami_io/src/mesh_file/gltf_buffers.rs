@@ -177,7 +177,7 @@ impl<'a> Buffers<'a> {
         let scale = component.largest();
         let mut values = Vec::new();
         if let Some(view) = accessor.buffer_view {
-            let stride = self.document.buffer_views.get(view).and_then(|v| v.byte_stride);
+            let stride = self.document.buffer_views.get(view).and_then(|v| v.byte_stride.or(v.packed_stride()));
             let view = self.view(origin, view)?;
             let shape = Shape { component, width, stride, offset: accessor.byte_offset, count: accessor.count };
             values.reserve(accessor.count * width);

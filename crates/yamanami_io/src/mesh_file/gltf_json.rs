@@ -125,6 +125,13 @@ pub(super) struct BufferView {
     pub(super) extensions: ViewExtensions,
 }
 
+impl BufferView {
+    /// The distance of elements that were packed, which say it where plain ones may leave it out.
+    pub(super) fn packed_stride(&self) -> Option<usize> {
+        self.extensions.packed().map(|packed| packed.byte_stride)
+    }
+}
+
 #[derive(Deserialize, Default)]
 pub(super) struct ViewExtensions {
     #[serde(rename = "EXT_meshopt_compression")]
@@ -206,7 +213,7 @@ pub(super) struct TextureUseExtensions {
     pub(super) transform: Option<TextureTransform>,
 }
 
-#[derive(Deserialize, Clone, Copy, PartialEq)]
+#[derive(Deserialize, Clone, Copy)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct TextureTransform {
     #[serde(default)]
@@ -218,6 +225,12 @@ pub(super) struct TextureTransform {
 }
 
 impl TextureTransform {
+    /// The numbers as bits, to tell transforms apart by.
+    pub(super) fn bits(&self) -> [u64; 5] {
+        let [su, sv] = self.scale.unwrap_or([1.0; 2]);
+        [self.offset[0], self.offset[1], self.rotation, su, sv].map(f64::to_bits)
+    }
+
     /// Where the picture is taken from for a texture coordinate.
     pub(super) fn apply(&self, [u, v]: [f64; 2]) -> [f64; 2] {
         let [su, sv] = self.scale.unwrap_or([1.0; 2]);

@@ -20,7 +20,7 @@ pub(super) struct Materials {
 }
 
 /// Which texture coordinates a material wants, and what is done to them.
-#[derive(Clone, Copy, Default, PartialEq)]
+#[derive(Clone, Copy, Default)]
 pub(super) struct Mapping {
     pub(super) set: usize,
     pub(super) transform: Option<TextureTransform>,

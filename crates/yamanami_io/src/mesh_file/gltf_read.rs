@@ -11,6 +11,7 @@ use super::origin::Origin;
 use super::srgb;
 use crate::IoError;
 use glam::{DMat3, DMat4, DVec3};
+use std::collections::HashMap;
 use yamanami_core::{Material, TriangleMesh};
 
 /// Reads a document that is text.
@@ -46,6 +47,7 @@ fn read_document(
         document: &document,
         materials: Materials::default(),
         mesh: TriangleMesh::default(),
+        parts: 0,
     };
     scene.walk()?;
     Ok(scene.finish())
@@ -87,12 +89,8 @@ fn chunks<'b>(origin: &Origin<'_>, bytes: &'b [u8]) -> Result<(&'b [u8], &'b [u8
     Ok((json, binary))
 }
 
-/// Vertices that were read once for a mesh in one place.
-struct Group {
-    key: ([Option<usize>; 4], Mapping),
-    first: u32,
-    count: usize,
-}
+/// Most primitives of all nodes; a few nodes may share a mesh of very many.
+const PARTS_LIMIT: usize = 1 << 24;
 
 struct SceneReader<'r, 'o, 'd> {
     origin: &'r mut Origin<'o>,
@@ -100,6 +98,7 @@ struct SceneReader<'r, 'o, 'd> {
     document: &'d Document,
     materials: Materials,
     mesh: TriangleMesh,
+    parts: usize,
 }
 
 impl SceneReader<'_, '_, '_> {
@@ -144,8 +143,12 @@ impl SceneReader<'_, '_, '_> {
             let expected = format!("a mesh below {}", document.meshes.len());
             return Err(self.origin.bad("nodes", expected, number.to_string()));
         };
-        // primitives of a mesh may share their vertices
-        let mut groups: Vec<Group> = Vec::new();
+        self.parts = self.parts.saturating_add(mesh.primitives.len());
+        if self.parts > PARTS_LIMIT {
+            return Err(IoError::too_large(self.origin.name, "parts", self.parts as u64, PARTS_LIMIT as u64));
+        }
+        // primitives of a mesh may share their vertices: first one and number by what they are made of
+        let mut known = HashMap::new();
         for (p, primitive) in mesh.primitives.iter().enumerate() {
             let mode = primitive.mode.unwrap_or(4);
             let place = format!("mesh {number}, primitive {p}");
@@ -160,14 +163,14 @@ impl SceneReader<'_, '_, '_> {
             }
             let mapping = gltf_materials::mapping(document, primitive.material);
             let texcoords = attribute(&format!("TEXCOORD_{}", mapping.set));
-            let key = ([Some(positions), attribute("NORMAL"), attribute("COLOR_0"), texcoords], mapping);
-            let known = groups.iter().find(|g| g.key == key).map(|g| (g.first, g.count));
-            let (first, count) = match known {
-                Some(known) => known,
+            let accessors = [Some(positions), attribute("NORMAL"), attribute("COLOR_0"), texcoords];
+            let key = (accessors, mapping.transform.map(|t| t.bits()));
+            let (first, count) = match known.get(&key) {
+                Some(&read) => read,
                 None => {
-                    let (first, count) = self.vertices(&place, key.0, mapping, world_from_node)?;
-                    groups.push(Group { key, first, count });
-                    (first, count)
+                    let read = self.vertices(&place, accessors, mapping, world_from_node)?;
+                    known.insert(key, read);
+                    read
                 }
             };
             let material = self.materials.number(self.origin, document, &mut self.buffers, primitive.material)?;

@@ -1,13 +1,15 @@
 //! Material libraries (MTL) of OBJ files: diffuse colour, opacity and picture; all else is passed over.
 
 use super::origin::Origin;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use yamanami_core::Material;
 
 /// The materials of the libraries that a file names.
 #[derive(Default)]
 pub(super) struct Library {
     materials: HashMap<String, Entry>,
+    /// Lines that were followed already.
+    named: HashSet<String>,
 }
 
 #[derive(Clone)]
@@ -19,6 +21,9 @@ struct Entry {
 impl Library {
     /// Reads what an `mtllib` line names: one file, or several.
     pub(super) fn add(&mut self, origin: &mut Origin<'_>, named: &str) {
+        if !self.named.insert(named.to_owned()) {
+            return;
+        }
         let read = |name: &str| origin.read_beside(&name.replace('\\', "/"));
         let first = read(named);
         let found: Vec<_> = match first {

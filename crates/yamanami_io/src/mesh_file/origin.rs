@@ -49,12 +49,8 @@ impl<'a> Origin<'a> {
     /// A path that a file names, if it stays in the folder of that file.
     fn beside(&self, named: &str) -> Option<PathBuf> {
         let inner = Path::new(named);
-        let mut parts = inner.components().peekable();
-        parts.peek()?;
-        parts
-            .all(|part| matches!(part, Component::Normal(_) | Component::CurDir))
-            .then(|| self.folder)?
-            .map(|f| f.join(inner))
+        let stays = inner.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
+        (stays && !named.is_empty()).then_some(self.folder?.join(inner))
     }
 
     /// The bytes of a file beside this one; why not, otherwise.
