@@ -1,18 +1,20 @@
 //! Meshes read a stretch at a time, as often as it takes: for scans larger than memory.
 //!
-//! PLY in all its forms: text and both byte orders, any order of properties, polygons cut into fans; `.ply.gz` is
-//! unpacked into scratch space first. Nothing here grows with the size of the file.
+//! PLY in all its forms: text and both byte orders, any order of properties, polygons cut into fans; packed ones are
+//! unpacked into scratch space first. Places and colours of vertices come, no other attribute. Nothing here grows with the
+//! size of the file.
 
 mod faces;
 mod vertices;
 mod window;
 
-use super::ply_header::{self, Element, Encoding, Kind};
-use super::{Format, without_gz};
+use super::Format;
+use super::packing::{Packing, UNPACKED_FOLD, UNPACKED_FREE};
+use super::ply_header::{self, Element, Encoding};
 use crate::{IoError, scratch};
 use glam::DVec3;
 use std::fs::File;
-use std::io::{Read, Seek};
+use std::io::{BufReader, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 use window::Window;
 
@@ -53,13 +55,13 @@ pub struct MeshStream {
 impl MeshStream {
     /// Whether a file of this name can be read by stretches.
     pub fn knows(path: impl AsRef<Path>) -> bool {
-        Format::of(&without_gz(path.as_ref())).is_ok_and(|f| f == Format::Ply)
+        Format::of(&Packing::of(path.as_ref()).1).is_ok_and(|f| f == Format::Ply)
     }
 
     /// Opens a mesh file. A compressed one is unpacked into a file without a name in the folder `scratch`.
     pub fn open(path: impl AsRef<Path>, scratch: impl AsRef<Path>) -> Result<Self, IoError> {
         let path = path.as_ref();
-        let inner = without_gz(path);
+        let (packing, inner) = Packing::of(path);
         if Format::of(&inner)? != Format::Ply {
             return Err(IoError::unsupported(
                 path,
@@ -68,8 +70,8 @@ impl MeshStream {
             ));
         }
         let mut file = File::open(path).map_err(|e| IoError::io(path, e))?;
-        if inner != path {
-            file = unpack(path, file, scratch.as_ref())?;
+        if packing != Packing::None {
+            file = unpack(path, packing, file, scratch.as_ref())?;
         }
         let mut start = Vec::new();
         let length = file.metadata().and_then(|m| {
@@ -91,8 +93,8 @@ impl MeshStream {
             return Err(IoError::unsupported(path, what, "save it as a list of faces"));
         }
         let vertices = header.elements[vertex].count;
-        if vertices > u32::MAX.into() {
-            return Err(IoError::too_large(path, "vertices", vertices, u32::MAX.into()));
+        if vertices >= u32::MAX.into() {
+            return Err(IoError::too_large(path, "vertices", vertices, u64::from(u32::MAX) - 1));
         }
         let layout = vertices::Layout::of(path, &header.elements[vertex])?;
         let mut starts = vec![None; header.elements.len()];
@@ -184,8 +186,7 @@ impl MeshStream {
     fn end_of(&mut self, element: usize, start: u64) -> Result<u64, IoError> {
         let Self { path, file, encoding, elements, .. } = self;
         let element = &elements[element];
-        let fixed = element.properties.iter().all(|p| matches!(p.kind, Kind::Scalar(_)));
-        if fixed && *encoding != Encoding::Ascii {
+        if element.is_fixed() && *encoding != Encoding::Ascii {
             // the room was checked
             return Ok(start + element.count * element.least_bytes(*encoding) as u64);
         }
@@ -202,18 +203,30 @@ impl MeshStream {
     }
 }
 
-/// Unpacks a gzip stream into a file without a name.
-fn unpack(path: &Path, packed: File, scratch: &Path) -> Result<File, IoError> {
+/// Unpacks into a file without a name.
+fn unpack(path: &Path, packing: Packing, packed: File, scratch: &Path) -> Result<File, IoError> {
+    let packed_bytes = packed.metadata().map_err(|e| IoError::io(path, e))?.len();
+    let limit = packed_bytes.saturating_mul(UNPACKED_FOLD).max(UNPACKED_FREE);
+    let packed = BufReader::with_capacity(1 << 18, packed);
+    let mut unpacked: Box<dyn Read> = match packing {
+        Packing::None => Box::new(packed),
+        Packing::Gzip => Box::new(flate2::read::MultiGzDecoder::new(packed)),
+        Packing::Zstd => Box::new(zstd::stream::read::Decoder::with_buffer(packed).map_err(|e| IoError::io(path, e))?),
+    };
     let mut file = scratch::unnamed(scratch)?;
-    let mut unpacked = flate2::read::MultiGzDecoder::new(std::io::BufReader::with_capacity(1 << 18, packed));
     let mut buffer = vec![0; 1 << 18];
+    let mut total = 0;
     loop {
         let read = match unpacked.read(&mut buffer) {
             Ok(0) => return Ok(file),
             Ok(n) => n,
             Err(e) if e.kind() == std::io::ErrorKind::Interrupted => continue,
-            Err(e) => return Err(IoError::malformed(path, "compressed data", "a whole gzip stream", e.to_string())),
+            Err(e) => return Err(IoError::malformed(path, "compressed data", "a whole stream", e.to_string())),
         };
-        std::io::Write::write_all(&mut file, &buffer[..read]).map_err(|e| IoError::io(scratch, e))?;
+        total += read as u64;
+        if total > limit {
+            return Err(IoError::too_large(path, "bytes unpacked", total, limit));
+        }
+        file.write_all(&buffer[..read]).map_err(|e| IoError::io(scratch, e))?;
     }
 }

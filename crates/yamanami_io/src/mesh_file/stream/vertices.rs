@@ -46,16 +46,20 @@ impl Layout {
             let found = format!("'{}'", found.join(" "));
             return Err(IoError::malformed(path, "element 'vertex'", "properties x, y and z", found));
         };
-        let colour = match ["red", "green", "blue"].map(|name| field(&[name, &format!("diffuse_{name}")])) {
+        let names = [
+            ["red", "green", "blue"],
+            ["diffuse_red", "diffuse_green", "diffuse_blue"],
+            ["r", "g", "b"],
+        ];
+        let colour = names.into_iter().find_map(|names| match names.map(|name| field(&[name])) {
             [Some(r), Some(g), Some(b)] => Some([r, g, b]),
             _ => None,
-        };
-        let fixed = element.properties.iter().all(|p| matches!(p.kind, Kind::Scalar(_)));
+        });
         Ok(Self {
-            size: fixed.then(|| element.least_bytes(Encoding::LittleEndian)),
+            size: element.is_fixed().then(|| element.least_bytes(Encoding::LittleEndian)),
             place: [x, y, z],
             colour,
-            alpha: field(&["alpha"]).filter(|_| colour.is_some()),
+            alpha: field(&["alpha", "diffuse_alpha", "a"]).filter(|_| colour.is_some()),
         })
     }
 
