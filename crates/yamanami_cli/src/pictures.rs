@@ -8,12 +8,16 @@ use image::{DynamicImage, ImageFormat, RgbaImage};
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use yamanami::core::TriangleMesh;
 use yamanami::gpu::{ColourBy, Drape, RenderOptions, Wireframe};
 use yamanami::io::IoError;
-use yamanami::{Error, Terrain};
+use yamanami::{Error, Terrain, model_style};
 
 /// Endings of picture files.
 pub(crate) const PICTURE_ENDINGS: [&str; 3] = ["png", "jpg", "jpeg"];
+
+/// Surfaces of one colour.
+const GREY: [u8; 3] = [206, 206, 202];
 
 /// What gives the surface its colour.
 #[derive(Debug, Clone, Copy, Default, ValueEnum)]
@@ -31,9 +35,9 @@ enum Colour {
 #[derive(Debug, Clone, Default, Args)]
 #[command(next_help_heading = "Drawing")]
 pub(crate) struct StyleArgs {
-    /// What gives the surface its colour
-    #[arg(long, value_enum, default_value_t, value_name = "BY")]
-    colour: Colour,
+    /// What gives the surface its colour; else height for terrain, and for models their own colours
+    #[arg(long, value_enum, value_name = "BY")]
+    colour: Option<Colour>,
     /// Lay an image (PNG or JPEG) over the surface: by its world file (.wld, .pgw, .jgw) where there is one, else over
     /// the whole terrain, north up
     #[arg(long, value_name = "FILE", conflicts_with = "colour")]
@@ -41,6 +45,12 @@ pub(crate) struct StyleArgs {
     /// Draw the edges of the triangles
     #[arg(long)]
     wireframe: bool,
+    /// Models: one normal a triangle, so that the triangles show
+    #[arg(long)]
+    flat: bool,
+    /// One sample a pixel instead of four
+    #[arg(long)]
+    one_sample: bool,
 }
 
 /// The usual relief of a terrain; colours keep still from picture to picture.
@@ -55,17 +65,37 @@ pub(crate) fn relief(terrain: &Terrain) -> RenderOptions {
 impl StyleArgs {
     pub(crate) fn options(&self, terrain: &Terrain) -> Result<RenderOptions, Failure> {
         let mut options = relief(terrain);
-        options.colour = match self.colour {
+        options.colour = match self.colour.unwrap_or_default() {
             Colour::Height => ColourBy::Height,
             Colour::Level => ColourBy::Level,
-            Colour::Plain => ColourBy::Plain([206, 206, 202]),
+            Colour::Plain => ColourBy::Plain(GREY),
         };
         if let Some(file) = &self.image {
             options.colour = ColourBy::Drape;
             options.drape = Some(Arc::new(drape(terrain, file)?));
         }
-        options.wireframe = self.wireframe.then(Wireframe::default);
-        Ok(options)
+        Ok(self.common(options))
+    }
+
+    /// The style of a model; tints of height and images are for terrain.
+    pub(crate) fn model_options(&self, mesh: &TriangleMesh) -> Result<RenderOptions, Failure> {
+        if self.image.is_some() {
+            return Err(Failure::misuse("--image is laid over terrain; a mesh shows the colours of its file"));
+        }
+        let mut options = model_style(mesh);
+        if let Some(Colour::Plain) = self.colour {
+            options.colour = ColourBy::Plain(GREY);
+        }
+        Ok(self.common(options))
+    }
+
+    fn common(&self, options: RenderOptions) -> RenderOptions {
+        RenderOptions {
+            wireframe: self.wireframe.then(Wireframe::default),
+            flat: self.flat,
+            antialias: !self.one_sample,
+            ..options
+        }
     }
 }
 

@@ -220,6 +220,18 @@ fn generated_terrain_is_read_back() {
 }
 
 #[test]
+fn a_generated_pagoda_is_read_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let text = stdout(folder, "generate pagoda -o %/p.ply --faces 30000");
+    assert!(text.contains("--eye"), "{text}");
+    let info = json(folder, "info %/p.ply");
+    let faces = info["faces"].as_u64().unwrap();
+    assert!(faces.abs_diff(30_000) <= 300, "{info}");
+    stdout(folder, "generate pagoda -o %/holed.stl --faces 5000 --holes occluded --noise 0 --seed 3");
+}
+
+#[test]
 fn help_and_version_succeed() {
     let folder = tempfile::tempdir().unwrap();
     let help = stdout(folder.path(), "--help");

@@ -7,6 +7,7 @@
 
 mod bvh;
 mod conformity;
+mod covered;
 mod defects;
 mod distance;
 mod error;
@@ -19,6 +20,7 @@ mod vertical;
 
 pub use bvh::{Closest, SurfaceIndex};
 pub use conformity::{ConformityReport, conformity};
+pub use covered::{ModelDifference, model_difference};
 pub use defects::{MeshDefects, mesh_defects};
 pub use distance::{OneWayDistance, SurfaceDistance, surface_distance};
 pub use error::MeasureError;

@@ -1,6 +1,7 @@
 //! `render`: one picture.
 
-use crate::args::{self, DrawArgs, EyeArgs, FinenessArgs, LensArgs, SourceArgs};
+use super::render_model;
+use crate::args::{self, DrawArgs, EyeArgs, FinenessArgs, LensArgs, SourceArgs, UpArgs};
 use crate::failure::Failure;
 use crate::pictures::{self, PICTURE_ENDINGS, StyleArgs};
 use crate::progress::{Bar, note};
@@ -13,6 +14,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 use yamanami::core::View;
 use yamanami::gpu::RenderOptions;
+use yamanami::io::mesh_file;
 use yamanami::{Canvas, Criteria, DrawWith, FrameReport, Scene, Terrain};
 
 /// Draw one picture
@@ -24,26 +26,29 @@ Examples:
                                                              what 5,000 triangles make of it, and where
   yamanami render dem.yama -o fuji.png --eye 138.6,35.2,6000 --target 138.73,35.36,3000
                                                              from a place in the source's CRS
-  yamanami render dem.tif -o map.png --image aerial.jpg      with an image laid over it")]
+  yamanami render dem.tif -o map.png --image aerial.jpg      with an image laid over it
+  yamanami render scan.ply -o scan.png                       a model, from the south-east")]
 pub(crate) struct RenderArgs {
     #[command(flatten)]
     source: SourceArgs,
     /// The picture to write: .png or .jpg
     #[arg(short, long, value_name = "FILE", help_heading = "Results")]
-    output: PathBuf,
+    pub(super) output: PathBuf,
     #[command(flatten)]
-    eye: EyeArgs,
+    pub(super) eye: EyeArgs,
     #[command(flatten)]
-    lens: LensArgs,
+    pub(super) up: UpArgs,
+    #[command(flatten)]
+    pub(super) lens: LensArgs,
     #[command(flatten)]
     fineness: FinenessArgs,
     #[command(flatten)]
-    style: StyleArgs,
+    pub(super) style: StyleArgs,
     #[command(flatten)]
-    draw: DrawArgs,
+    pub(super) draw: DrawArgs,
     /// Print JSON
     #[arg(long, help_heading = "Results")]
-    json: bool,
+    pub(super) json: bool,
 }
 
 /// Errors below this many pixels are not seen in an antialiased picture.
@@ -51,6 +56,11 @@ const USUAL_TOLERANCE_PX: f32 = 0.5;
 
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     inputs::check_output(&args.output, &PICTURE_ENDINGS, &args.source.sources)?;
+    if let [file] = args.source.sources.as_slice()
+        && mesh_file::is_mesh_name(file)
+    {
+        return render_model::run(args, file);
+    }
     let mut terrain = inputs::terrain(&args.source)?;
     let view = args::view(&args.eye, &args.lens, &terrain, [1600, 900]);
     warn_if_far(&terrain, &view);

@@ -38,6 +38,9 @@ mod polygon;
 mod seams;
 mod srgb;
 mod stl;
+mod stream;
+
+pub use stream::{MeshStream, TriangleSink, VertexRun, VertexSink};
 
 use crate::IoError;
 use companions::Pictures;

@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 /// Most bytes that a packed mesh file may unpack to, and how many more than the packed ones: meshes pack a hundredfold
 /// at best, so more is a bomb.
 const UNPACKED_LIMIT: u64 = 8 << 30;
-const UNPACKED_FREE: u64 = 64 << 20;
-const UNPACKED_FOLD: u64 = 1000;
+pub(super) const UNPACKED_FREE: u64 = 64 << 20;
+pub(super) const UNPACKED_FOLD: u64 = 1000;
 
 /// How a file is packed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

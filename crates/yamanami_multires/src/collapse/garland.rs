@@ -4,9 +4,10 @@
 //! Two things beside the ten steps: borders are held by planes that stand on them (section 6 of the paper of 1997), and
 //! an edge whose collapse would fold or pinch the surface is passed over.
 
+use super::StoppedBy;
 use super::quadric::Quadric;
-use super::work::{Removed, Work};
-use super::{CollapseOptions, StoppedBy};
+use super::rounds::Stop;
+use super::work::{Kept, Work};
 use glam::DVec3;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -25,7 +26,7 @@ struct Pair {
 }
 
 /// Collapses in place. Gives why it stopped and the largest estimate of a step's distance, in units of `work`.
-pub(super) fn run(work: &mut Work, options: &CollapseOptions<'_>, max_error: f64) -> (StoppedBy, f64) {
+pub(super) fn run(work: &mut Work, stop: Stop, progress: &dyn Fn(usize)) -> (StoppedBy, f64) {
     let vertices = work.positions.len();
     let mut quadrics = vec![Quadric::default(); vertices];
     for t in 0..work.triangles.len() {
@@ -50,10 +51,10 @@ pub(super) fn run(work: &mut Work, options: &CollapseOptions<'_>, max_error: f64
     let weigh = |work: &Work, quadrics: &[Quadric], version: &[u64], a: u32, b: u32| -> (Pair, DVec3) {
         let sum = quadrics[a as usize] + quadrics[b as usize];
         let (pa, pb) = (work.positions[a as usize], work.positions[b as usize]);
-        let place = match [work.locked[a as usize], work.locked[b as usize]] {
-            [true, _] => pa,
-            [_, true] => pb,
-            _ => sum.minimum().unwrap_or_else(|| sum.minimum_between(pa, pb)),
+        let place = match work.kept_end(a, b) {
+            Kept::First | Kept::Both => pa,
+            Kept::Second => pb,
+            Kept::Neither => sum.minimum().unwrap_or_else(|| sum.minimum_between(pa, pb)),
         };
         let version = version[a as usize] + version[b as usize];
         (Pair { cost: sum.at(place).to_bits(), vertices: [a.min(b), a.max(b)], version }, place)
@@ -68,26 +69,28 @@ pub(super) fn run(work: &mut Work, options: &CollapseOptions<'_>, max_error: f64
             }
         }
     }
-    let (start, mut worst) = (work.faces(), 0f64);
+    let mut worst = 0f64;
     let mut neighbours = Vec::new();
     loop {
-        if work.faces() <= options.target_faces {
+        if work.faces() <= stop.faces {
             return (StoppedBy::Target, worst);
         }
         let Some(Reverse(pair)) = heap.pop() else { return (StoppedBy::Topology, worst) };
         let [a, b] = pair.vertices;
         let is_stale = work.is_gone(a) || work.is_gone(b) || pair.version != version[a as usize] + version[b as usize];
-        if is_stale || (work.locked[a as usize] && work.locked[b as usize]) {
+        if is_stale || work.kept_end(a, b) == Kept::Both {
             continue;
         }
         let cost = f64::from_bits(pair.cost).sqrt();
-        if cost > max_error {
+        if cost > stop.error {
             return (StoppedBy::Error, worst);
         }
         let (_, place) = weigh(work, &quadrics, &version, a, b);
-        // the one that stays is the locked one, if any
-        let (stays, goes) = if work.locked[b as usize] { (b, a) } else { (a, b) };
-        if work.collapse(goes, stays, place) == Removed::Nothing {
+        let (pa, pb) = (work.positions[a as usize], work.positions[b as usize]);
+        // the one whose place is kept stays
+        let (stays, goes, from, to) = if place == pb { (b, a, pb, pa) } else { (a, b, pa, pb) };
+        let share = ((place - from).dot(to - from) / (to - from).length_squared()).clamp(0.0, 1.0);
+        if !work.collapse(goes, stays, place, share as f32) {
             continue;
         }
         worst = worst.max(cost);
@@ -97,11 +100,8 @@ pub(super) fn run(work: &mut Work, options: &CollapseOptions<'_>, max_error: f64
         for &n in &neighbours {
             heap.push(Reverse(weigh(work, &quadrics, &version, stays, n).0));
         }
-        if let Some(progress) = options.progress
-            && work.faces() % 4096 < 2
-        {
-            let wanted = (start - options.target_faces).max(1);
-            progress((start - work.faces()) as f32 / wanted as f32);
+        if work.faces() % 4096 < 2 {
+            progress(work.faces());
         }
     }
 }

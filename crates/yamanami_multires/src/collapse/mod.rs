@@ -4,12 +4,24 @@
 //! Memory Efficient Polygonal Simplification", 1998 (no quadric is remembered: each is worked out anew from the surface at
 //! hand, and the volume is kept); Hoppe, "New Quadric Metric for Simplifying Meshes with Appearance Attributes", 1999.
 
+mod appearance;
+mod appearance_sum;
 mod garland;
+mod lanes;
+mod order;
+mod patches;
+mod plane_sum;
+mod prepare;
 mod quadric;
+mod rounds;
 mod stars;
+mod surroundings;
+mod within;
 mod work;
 
-use work::Work;
+use prepare::Prepared;
+use rounds::Stop;
+pub use within::{CollapsedWithin, collapse_within};
 use yamanami_core::TriangleMesh;
 
 /// Which collapse.
@@ -110,18 +122,26 @@ pub struct Collapsed {
 /// # Panics
 /// When a triangle names a vertex that the mesh does not have, or `locked` is not one flag a vertex.
 pub fn collapse(mesh: &TriangleMesh, options: &CollapseOptions<'_>) -> Collapsed {
-    let mut work = Work::new(mesh, options.locked);
-    let max_error = options.max_error_m / work.metres_a_unit();
-    let (stopped_by, estimate) = garland::run(&mut work, options, max_error);
-    let (positions, triangles, sources) = work.finish();
-    let moved = |(place, &source): (&glam::DVec3, &u32)| {
-        if *place == mesh.positions[source as usize] { source } else { u32::MAX }
+    let mut prepared = Prepared::new(mesh, options.locked);
+    let metres = prepared.metres_a_unit();
+    let stop = Stop { faces: options.target_faces, error: options.max_error_m / metres };
+    let start = prepared.work.faces();
+    let progress = |left: usize| {
+        if let Some(progress) = options.progress {
+            progress((start - left) as f32 / (start.saturating_sub(options.target_faces)).max(1) as f32);
+        }
     };
-    let source_vertex = positions.iter().zip(&sources).map(moved).collect();
-    Collapsed {
-        mesh: TriangleMesh::new(positions, triangles),
-        source_vertex,
-        stopped_by,
-        estimate_m: estimate * work.metres_a_unit(),
-    }
+    let (stopped_by, estimate) = match options.method {
+        Method::Memoryless => {
+            let diagonal = mesh.bounds().diagonal() / metres;
+            let AttributeWeights { normal, colour, texcoord } = options.weights;
+            let [normal, colour, texcoord] = [normal, colour, texcoord].map(|w| w * diagonal);
+            let scales = prepared.work.appearance.scales(normal, colour, texcoord);
+            let n = mesh.positions.len();
+            patches::run(&mut prepared.work, &mut prepared.sources, n, scales, stop, &progress)
+        }
+        Method::Garland97 => garland::run(&mut prepared.work, stop, &progress),
+    };
+    let (mesh, source_vertex) = prepared.finish(mesh);
+    Collapsed { mesh, source_vertex, stopped_by, estimate_m: estimate * metres }
 }

@@ -17,12 +17,11 @@ impl Corner {
     /// The triangle's corners in its turning order, this one first.
     #[inline]
     pub(super) fn turned(self, triangles: &[[u32; 3]]) -> [u32; 3] {
-        let [a, b, c] = triangles[self.triangle()];
-        match self.0 & 3 {
-            0 => [a, b, c],
-            1 => [b, c, a],
-            _ => [c, a, b],
-        }
+        // by a table: which corner it is cannot be foretold, and a branch would often be guessed wrong
+        const NEXT: [usize; 4] = [1, 2, 0, 0];
+        const LAST: [usize; 4] = [2, 0, 1, 0];
+        let (corners, place) = (&triangles[self.triangle()], (self.0 & 3) as usize);
+        [corners[place], corners[NEXT[place]], corners[LAST[place]]]
     }
 
     /// Puts another vertex in this corner.
@@ -31,9 +30,6 @@ impl Corner {
         triangles[self.triangle()][(self.0 & 3) as usize] = vertex;
     }
 }
-
-/// Most triangles that corners can name.
-pub(super) const MOST_TRIANGLES: usize = 1 << 30;
 
 /// The corners at each vertex.
 #[derive(Debug, Default)]
@@ -56,7 +52,9 @@ impl Stars {
             start.push(sum);
             sum += n;
         }
-        let mut pool = vec![Corner(0); sum as usize];
+        // room to grow until the mesh is compacted: memory that is not touched costs nothing, a move costs twice
+        let mut pool = Vec::with_capacity(sum as usize + (sum as usize / 8) * 5);
+        pool.resize(sum as usize, Corner(0));
         let mut next = start.clone();
         for (t, corners) in triangles.iter().enumerate() {
             for (k, &v) in corners.iter().enumerate() {
@@ -97,10 +95,5 @@ impl Stars {
             star.copy_within(k + 1.., k);
             self.len[v] -= 1;
         }
-    }
-
-    /// Entries that the lists take, with those left behind.
-    pub(super) fn pool_len(&self) -> usize {
-        self.pool.len()
     }
 }
