@@ -4,6 +4,7 @@ mod build;
 mod build_model;
 mod check;
 mod check_model;
+mod cleaning;
 mod compare;
 mod demo;
 mod extract;
