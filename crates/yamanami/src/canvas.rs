@@ -3,7 +3,7 @@
 use crate::Error;
 use glam::DVec3;
 use image::RgbaImage;
-use yamanami_core::{Sink, View};
+use yamanami_core::{Sink, TriangleMesh, View};
 use yamanami_gpu::{Gpu, RenderOptions, Renderer, ResidentBuffers, ResidentMesh, software, wgpu};
 
 /// A resident mesh with something to draw it.
@@ -44,14 +44,28 @@ pub struct Upload {
 impl Canvas {
     /// An empty canvas; positions are kept relative to `origin`, metres.
     pub fn new(origin: DVec3, with: DrawWith) -> Result<Self, Error> {
+        Self::holding(ResidentBuffers::new(origin), with)
+    }
+
+    /// A canvas with a whole mesh on it, flushed.
+    pub fn of_mesh(mesh: &TriangleMesh, with: DrawWith) -> Result<Self, Error> {
+        let mut canvas = Self::holding(ResidentBuffers::from_mesh(mesh), with)?;
+        canvas.flush()?;
+        Ok(canvas)
+    }
+
+    fn holding(buffers: ResidentBuffers, with: DrawWith) -> Result<Self, Error> {
         let gpu = match with {
             DrawWith::Auto => Gpu::headless().ok().filter(|gpu| !gpu.is_processor()),
             DrawWith::Gpu => Some(Gpu::headless()?),
             DrawWith::Software => None,
         };
         Ok(match gpu {
-            Some(gpu) => Self::on_gpu(&gpu, origin),
-            None => Self::Software(Box::new(ResidentBuffers::new(origin))),
+            Some(gpu) => Self::Gpu {
+                mesh: Box::new(ResidentMesh::with_buffers(&gpu, buffers)),
+                renderer: Box::new(Renderer::new(&gpu)),
+            },
+            None => Self::Software(Box::new(buffers)),
         })
     }
 

@@ -8,18 +8,21 @@ use image::{DynamicImage, ImageFormat, RgbaImage};
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use yamanami::core::TriangleMesh;
 use yamanami::gpu::{ColourBy, Drape, RenderOptions, Wireframe};
 use yamanami::io::IoError;
-use yamanami::{Error, Terrain};
+use yamanami::{Error, Subject, Terrain, model_style};
 
 /// Endings of picture files.
 pub(crate) const PICTURE_ENDINGS: [&str; 3] = ["png", "jpg", "jpeg"];
 
+/// Surfaces of one colour.
+const GREY: [u8; 3] = [206, 206, 202];
+
 /// What gives the surface its colour.
-#[derive(Debug, Clone, Copy, Default, ValueEnum)]
+#[derive(Debug, Clone, Copy, ValueEnum)]
 enum Colour {
     /// Hypsometric tint
-    #[default]
     Height,
     /// Level of the vertices: dark is coarse, light is fine
     Level,
@@ -31,9 +34,9 @@ enum Colour {
 #[derive(Debug, Clone, Default, Args)]
 #[command(next_help_heading = "Drawing")]
 pub(crate) struct StyleArgs {
-    /// What gives the surface its colour
-    #[arg(long, value_enum, default_value_t, value_name = "BY")]
-    colour: Colour,
+    /// What gives the surface its colour; else height for terrain, and for models their own colours
+    #[arg(long, value_enum, value_name = "BY")]
+    colour: Option<Colour>,
     /// Lay an image (PNG or JPEG) over the surface: by its world file (.wld, .pgw, .jgw) where there is one, else over
     /// the whole terrain, north up
     #[arg(long, value_name = "FILE", conflicts_with = "colour")]
@@ -41,31 +44,55 @@ pub(crate) struct StyleArgs {
     /// Draw the edges of the triangles
     #[arg(long)]
     wireframe: bool,
-}
-
-/// The usual relief of a terrain; colours keep still from picture to picture.
-pub(crate) fn relief(terrain: &Terrain) -> RenderOptions {
-    RenderOptions {
-        tint_range_m: Some(terrain.range_m().map(f64::from)),
-        deepest_level: terrain.surface().numbers().lattice().levels(),
-        ..RenderOptions::default()
-    }
+    /// Models: one normal a triangle, so that the triangles show
+    #[arg(long)]
+    flat: bool,
+    /// One sample a pixel instead of four
+    #[arg(long)]
+    one_sample: bool,
 }
 
 impl StyleArgs {
-    pub(crate) fn options(&self, terrain: &Terrain) -> Result<RenderOptions, Failure> {
-        let mut options = relief(terrain);
-        options.colour = match self.colour {
-            Colour::Height => ColourBy::Height,
-            Colour::Level => ColourBy::Level,
-            Colour::Plain => ColourBy::Plain([206, 206, 202]),
-        };
+    pub(crate) fn options(&self, subject: &impl Subject) -> Result<RenderOptions, Failure> {
+        let Some(terrain) = subject.as_terrain() else { return self.over(subject.usual_style()) };
+        let mut options = self.coloured(subject.usual_style());
         if let Some(file) = &self.image {
             options.colour = ColourBy::Drape;
             options.drape = Some(Arc::new(drape(terrain, file)?));
         }
-        options.wireframe = self.wireframe.then(Wireframe::default);
         Ok(options)
+    }
+
+    /// The style of a mesh drawn as it is.
+    pub(crate) fn model_options(&self, mesh: &TriangleMesh) -> Result<RenderOptions, Failure> {
+        self.over(model_style(mesh))
+    }
+
+    /// The style of a model that is usually drawn so; images are for terrain.
+    fn over(&self, usual: RenderOptions) -> Result<RenderOptions, Failure> {
+        if self.image.is_some() {
+            return Err(Failure::misuse("--image is laid over terrain; a mesh shows the colours of its file"));
+        }
+        Ok(self.coloured(usual))
+    }
+
+    fn coloured(&self, usual: RenderOptions) -> RenderOptions {
+        let colour = match self.colour {
+            None => usual.colour,
+            Some(Colour::Height) => ColourBy::Height,
+            Some(Colour::Level) => ColourBy::Level,
+            Some(Colour::Plain) => ColourBy::Plain(GREY),
+        };
+        self.common(RenderOptions { colour, ..usual })
+    }
+
+    fn common(&self, options: RenderOptions) -> RenderOptions {
+        RenderOptions {
+            wireframe: self.wireframe.then(Wireframe::default),
+            flat: self.flat,
+            antialias: !self.one_sample,
+            ..options
+        }
     }
 }
 

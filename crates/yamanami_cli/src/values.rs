@@ -67,6 +67,32 @@ pub(crate) fn grid_size(text: &str) -> Result<[usize; 2], String> {
         .ok_or_else(|| format!("expected COLUMNSxROWS, at least 2x2 and at most {MOST_SAMPLES} samples, as 1025x1025"))
 }
 
+/// A number of faces: none is no mesh.
+pub(crate) fn faces(text: &str) -> Result<usize, String> {
+    match text.replace(['_', ','], "").parse::<usize>() {
+        Ok(n) if n >= 1 => Ok(n),
+        _ => Err("expected a whole number of faces, at least 1".to_owned()),
+    }
+}
+
+/// A share above 0 and at most 1, also in percent.
+pub(crate) fn ratio(text: &str) -> Result<f64, String> {
+    let expected = || "expected a share above 0 and at most 1, as 0.1 or 10%".to_owned();
+    let share = match text.trim().strip_suffix('%') {
+        Some(percent) => number(percent).map(|v| v / 100.0),
+        None => number(text),
+    };
+    share.ok().filter(|&v| v > 0.0 && v <= 1.0).ok_or_else(expected)
+}
+
+/// A number of views around a model.
+pub(crate) fn views(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(n) if (1..=64).contains(&n) => Ok(n),
+        _ => Err("expected a whole number from 1 to 64".to_owned()),
+    }
+}
+
 /// A number of frames.
 pub(crate) fn frames(text: &str) -> Result<usize, String> {
     match text.parse() {
@@ -144,6 +170,10 @@ mod tests {
         assert_eq!(budget("1_000"), Ok(1000));
         assert!(budget("1").is_err() && budget("-5").is_err());
         assert!(fov_rad("0").is_err());
+        assert_eq!((ratio("10%"), ratio("0.1"), ratio("1")), (Ok(0.1), Ok(0.1), Ok(1.0)));
+        assert!(ratio("0").is_err() && ratio("101%").is_err() && ratio("half").is_err());
+        assert_eq!((faces("1_000"), views("8")), (Ok(1000), Ok(8)));
+        assert!(faces("0").is_err() && views("0").is_err() && views("65").is_err());
         assert_eq!(epsg("EPSG:32654").unwrap().epsg, Some(32654));
         assert!(epsg("99999").is_err());
         assert_eq!(tile("10/906/404"), Ok([10, 906, 404]));

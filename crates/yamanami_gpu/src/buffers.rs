@@ -5,8 +5,10 @@
 //! free slots are used again. So what is written is proportional to what changed, whatever the size of the mesh.
 
 use crate::dirty::DirtySlots;
+use crate::normals::vertex_normals;
 use crate::vertex::{GpuVertex, TRIANGLE_BYTES, VERTEX_BYTES};
-use glam::{DVec3, Vec3};
+use glam::DVec3;
+use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -25,6 +27,8 @@ pub struct ResidentBuffers {
     triangles: Vec<[u32; 3]>,
     keys: Vec<TriangleKey>,
     triangle_slots: FxHashMap<TriangleKey, u32>,
+    /// Ids and keys are slot numbers, and the maps and keys are empty: a whole mesh that has not changed yet.
+    is_whole: bool,
     holes: Vec<u32>,
     dirty_vertices: DirtySlots,
     dirty_triangles: DirtySlots,
@@ -82,6 +86,7 @@ impl ResidentBuffers {
             triangles: Vec::new(),
             keys: Vec::new(),
             triangle_slots: FxHashMap::default(),
+            is_whole: false,
             holes: Vec::new(),
             dirty_vertices: DirtySlots::default(),
             dirty_triangles: DirtySlots::default(),
@@ -89,12 +94,12 @@ impl ResidentBuffers {
         }
     }
 
-    /// A fixed mesh, its origin in the middle of its box. Absent normals are worked out from the triangles;
-    /// triangles with a corner that does not exist are left out.
+    /// A whole mesh, its origin in the middle of its box. Absent normals are worked out from the triangles, absent colours
+    /// are white; triangles with a corner that does not exist are left out. Until something changes, no tables of ids
+    /// and keys are kept, so that meshes of millions of triangles are taken over quickly.
     pub fn from_mesh(mesh: &TriangleMesh) -> Self {
         let bounds = mesh.bounds();
         let origin = if bounds.min.is_finite() && bounds.max.is_finite() { bounds.centre() } else { DVec3::ZERO };
-        let mut buffers = Self::new(origin);
         let computed;
         let normals = if mesh.normals.len() == mesh.positions.len() {
             &mesh.normals
@@ -102,7 +107,8 @@ impl ResidentBuffers {
             computed = vertex_normals(mesh);
             &computed
         };
-        for (id, (&position, &normal)) in (0u32..).zip(mesh.positions.iter().zip(normals)) {
+        let pack = |(id, (&position, &normal)): (usize, (&DVec3, &[f32; 3]))| {
+            let colour = mesh.colours.get(id).map_or([255; 3], |&[r, g, b, _]| [r, g, b]);
             let vertex = SurfaceVertex {
                 position,
                 normal,
@@ -110,16 +116,30 @@ impl ResidentBuffers {
                 error_m: f32::INFINITY,
                 bound_radius_m: 0.0,
                 level: 0,
-                colour: [255; 3],
+                colour,
             };
-            buffers.add_vertex(id, vertex);
-        }
-        for (key, &corners) in (0u64..).zip(&mesh.triangles) {
-            if corners.iter().all(|&c| (c as usize) < mesh.positions.len()) {
-                buffers.add_triangle(key, corners);
-            }
-        }
+            GpuVertex::pack(&vertex, origin)
+        };
+        let has_corners = |corners: &&[u32; 3]| corners.iter().all(|&c| (c as usize) < mesh.positions.len());
+        let mut buffers = Self {
+            vertices: mesh.positions.par_iter().zip(normals).enumerate().map(pack).collect(),
+            triangles: mesh.triangles.iter().filter(has_corners).copied().collect(),
+            bounds: Aabb { min: bounds.min - origin, max: bounds.max - origin },
+            is_whole: true,
+            ..Self::new(origin)
+        };
+        buffers.mark_all();
         buffers
+    }
+
+    /// Builds the tables that changes need.
+    fn part(&mut self) {
+        if self.is_whole {
+            self.is_whole = false;
+            self.keys = (0..self.triangles.len() as u64).collect();
+            self.vertex_slots = (0..self.vertices.len() as u32).map(|slot| (slot, slot)).collect();
+            self.triangle_slots = self.keys.iter().map(|&key| (key, key as u32)).collect();
+        }
     }
 
     /// The point that positions are relative to.
@@ -134,12 +154,12 @@ impl ResidentBuffers {
 
     /// Number of triangles shown.
     pub fn triangle_count(&self) -> usize {
-        self.triangle_slots.len()
+        if self.is_whole { self.triangles.len() } else { self.triangle_slots.len() }
     }
 
     /// Number of vertices held.
     pub fn vertex_count(&self) -> usize {
-        self.vertex_slots.len()
+        if self.is_whole { self.vertices.len() } else { self.vertex_slots.len() }
     }
 
     /// Vertex slots. Those of no vertex hold old data and are used by no triangle.
@@ -160,6 +180,7 @@ impl ResidentBuffers {
         self.triangles.clear();
         self.keys.clear();
         self.triangle_slots.clear();
+        self.is_whole = false;
         self.holes.clear();
         self.dirty_vertices.clear();
         self.dirty_triangles.clear();
@@ -206,6 +227,11 @@ impl ResidentBuffers {
 
     /// The content that these slots hold when they are read by this mesh's slot numbers.
     pub(crate) fn contents_of(&self, vertices: &[GpuVertex], triangles: &[[u32; 3]]) -> MeshContents {
+        if self.is_whole {
+            let mut parted = self.clone();
+            parted.part();
+            return parted.contents_of(vertices, triangles);
+        }
         let ids: FxHashMap<u32, VertexId> = self.vertex_slots.iter().map(|(&id, &slot)| (slot, id)).collect();
         let corners =
             |slot: u32| triangles.get(slot as usize)?.iter().map(|c| ids.get(c).copied()).collect::<Option<Vec<_>>>();
@@ -234,6 +260,7 @@ impl ResidentBuffers {
 
 impl Sink for ResidentBuffers {
     fn add_vertex(&mut self, id: VertexId, vertex: SurfaceVertex) {
+        self.part();
         let slot = self.free_vertices.pop().unwrap_or_else(|| {
             self.vertices.push(GpuVertex::default());
             let slot = self.vertices.len() as u32 - 1;
@@ -247,6 +274,7 @@ impl Sink for ResidentBuffers {
     }
 
     fn update_vertex(&mut self, id: VertexId, vertex: SurfaceVertex) {
+        self.part();
         let slot = self.vertex_slots.get(&id).copied();
         debug_assert!(slot.is_some(), "vertex {id} updated while absent");
         if let Some(slot) = slot {
@@ -255,12 +283,14 @@ impl Sink for ResidentBuffers {
     }
 
     fn remove_vertex(&mut self, id: VertexId) {
+        self.part();
         let slot = self.vertex_slots.remove(&id);
         debug_assert!(slot.is_some(), "vertex {id} removed while absent");
         self.free_vertices.extend(slot);
     }
 
     fn add_triangle(&mut self, key: TriangleKey, corners: [VertexId; 3]) {
+        self.part();
         let slots = corners.map(|id| self.vertex_slots.get(&id).copied());
         let [Some(a), Some(b), Some(c)] = slots else {
             debug_assert!(false, "triangle {key} uses an absent vertex");
@@ -284,6 +314,7 @@ impl Sink for ResidentBuffers {
     }
 
     fn remove_triangle(&mut self, key: TriangleKey) {
+        self.part();
         let slot = self.triangle_slots.remove(&key);
         debug_assert!(slot.is_some(), "triangle {key} removed while absent");
         if let Some(slot) = slot {
@@ -291,17 +322,4 @@ impl Sink for ResidentBuffers {
             self.holes.push(slot);
         }
     }
-}
-
-/// Normals of a mesh's vertices: the mean of the triangles around each, weighted by area.
-fn vertex_normals(mesh: &TriangleMesh) -> Vec<[f32; 3]> {
-    let mut sums = vec![DVec3::ZERO; mesh.positions.len()];
-    for triangle in &mesh.triangles {
-        let [Some(&a), Some(&b), Some(&c)] = triangle.map(|i| mesh.positions.get(i as usize)) else { continue };
-        let normal = (b - a).cross(c - a);
-        for &corner in triangle {
-            sums[corner as usize] += normal;
-        }
-    }
-    sums.into_iter().map(|n| n.try_normalize().map_or(Vec3::Z, |n| n.as_vec3()).to_array()).collect()
 }

@@ -1,7 +1,7 @@
 //! What one picture needs to know, worked out once in `f64` and handed to the shaders and to their software twin alike.
 
 use crate::palette::{LEVELS, Ramp, STOPS, TINT, linear};
-use crate::{Background, ColourBy, GpuError, Haze, RenderOptions};
+use crate::{Background, ColourBy, GpuError, Haze, RenderOptions, Shading};
 use glam::{DVec3, Mat4, Vec3, Vec4};
 use yamanami_core::{Aabb, Perspective, View};
 
@@ -20,7 +20,7 @@ pub(crate) struct Frame {
     /// What the ray gains to the right border, and to the upper border.
     pub(crate) ray_right: [f32; 4],
     pub(crate) ray_up: [f32; 4],
-    /// Directions to the main light and the two side lights, and their shares.
+    /// Directions to the three lights, and what a surface that faces one gets of it.
     pub(crate) lights: [[f32; 4]; 3],
     /// Lower end and 1 / length of the ramp, strength of the shading, morphing tau and width.
     pub(crate) ramp_start: f32,
@@ -52,6 +52,12 @@ pub(crate) struct Frame {
     pub(crate) encode_srgb: u32,
     /// Width and height in pixels.
     pub(crate) size_px: [f32; 2],
+    /// 1 when the side turned away is lit by its own normal.
+    pub(crate) two_sided: u32,
+    /// 1 when each triangle has one normal.
+    pub(crate) flat: u32,
+    /// To a whole number of 16 bytes.
+    pub(crate) rest: [u32; 2],
 }
 
 /// [`Frame::colour`]: one colour.
@@ -62,11 +68,16 @@ pub(crate) const COLOUR_HEIGHT: u32 = 1;
 pub(crate) const COLOUR_LEVEL: u32 = 2;
 /// [`Frame::colour`]: the image over the ramp by height.
 pub(crate) const COLOUR_DRAPE: u32 = 3;
+/// [`Frame::colour`]: the vertices' colours.
+pub(crate) const COLOUR_VERTEX: u32 = 4;
 
 /// Azimuth of the side lights from the main light, radians.
 const SIDE_AZIMUTH_RAD: f32 = 1.3;
 /// Shares of the main light and of each side light.
 const LIGHT_SHARES: [f32; 3] = [0.70, 0.15, 0.15];
+/// Lights on models: right, up and towards the eye, and share.
+const MODEL_LIGHTS: [([f64; 3], f32); 3] =
+    [([-0.55, 0.65, 0.60], 0.62), ([0.80, 0.05, 0.60], 0.16), ([0.0, 0.0, 1.0], 0.30)];
 /// Haze is two thirds at this many diagonals of the mesh's box.
 const HAZE_DIAGONALS: f64 = 3.0;
 
@@ -76,7 +87,10 @@ impl Frame {
         let [near_m, far_m] = options.depth_planes_m.unwrap_or_else(|| depth_planes_m(bounds, view.eye - origin));
         let (forward, tan_y) = (view.forward(), (view.fov_y_rad * 0.5).tan());
         let right = forward.cross(view.up()).normalize();
-        let lights = light_directions(options);
+        let lights = match options.shading {
+            Shading::Relief => relief_lights(options),
+            Shading::Model => model_lights([right, right.cross(forward), -forward]),
+        };
         let (ramp, ramp_start, ramp_end) = match options.colour {
             ColourBy::Level => (LEVELS, 0.0, 1.0),
             _ => {
@@ -101,6 +115,7 @@ impl Frame {
             ColourBy::Level => (COLOUR_LEVEL, [0; 3]),
             ColourBy::Drape if options.drape.is_some() => (COLOUR_DRAPE, [0; 3]),
             ColourBy::Drape => (COLOUR_HEIGHT, [0; 3]),
+            ColourBy::Vertex => (COLOUR_VERTEX, [0; 3]),
         };
         let wire = options.wireframe.unwrap_or_default();
         let morph = options.morph.map_or([1.0, 0.0], |morph| [morph.tau_px.max(1e-6), morph.width.max(0.0)]);
@@ -116,7 +131,7 @@ impl Frame {
             lights: lights.map(|light| light.to_array()),
             ramp_start: ramp_start as f32,
             ramp_scale: (1.0 / (ramp_end - ramp_start)) as f32,
-            strength: options.light.strength,
+            strength: if options.shading == Shading::Model { 1.0 } else { options.light.strength },
             tau_px: morph[0],
             morph_width: morph[1],
             haze_per_m: haze_per_m as f32,
@@ -133,6 +148,9 @@ impl Frame {
             colour,
             encode_srgb: 0,
             size_px: view.viewport_px.map(|side| side as f32),
+            two_sided: u32::from(options.shading == Shading::Model),
+            flat: u32::from(options.flat),
+            rest: [0; 2],
         }
     }
 }
@@ -145,8 +163,8 @@ pub fn depth_planes_m(bounds: Aabb, eye: DVec3) -> [f64; 2] {
     }
     let nearest_m = (eye.clamp(bounds.min, bounds.max) - eye).length();
     let farthest_m = (bounds.max - eye).abs().max((bounds.min - eye).abs()).length();
-    let far_m = farthest_m * 1.01 + 1.0;
-    [(nearest_m * 0.5).max(far_m * 2e-6).max(0.01), far_m]
+    let far_m = (farthest_m * 1.01).max(1e-9);
+    [(nearest_m * 0.5).max(far_m * 2e-6), far_m]
 }
 
 /// Checks a picture's size against the longest side that can be drawn.
@@ -163,7 +181,16 @@ fn reversed_clip_from_eye(view: &View, near_m: f64, far_m: f64) -> Mat4 {
     clip.as_mat4()
 }
 
-fn light_directions(options: &RenderOptions) -> [Vec4; 3] {
+/// Lights for models: from over the left shoulder, from the right, and from the eye. `axes`: right, up, towards the eye.
+fn model_lights(axes: [DVec3; 3]) -> [Vec4; 3] {
+    MODEL_LIGHTS.map(|([right, up, near], share)| {
+        let direction = axes[0] * right + axes[1] * up + axes[2] * near;
+        direction.normalize().as_vec3().extend(share)
+    })
+}
+
+/// Lights for terrain. Each is stronger the lower it stands, so that level ground gets its share.
+fn relief_lights(options: &RenderOptions) -> [Vec4; 3] {
     let light = options.light;
     let direction = |azimuth: f32| {
         let (sin_az, cos_az) = azimuth.sin_cos();
@@ -172,7 +199,10 @@ fn light_directions(options: &RenderOptions) -> [Vec4; 3] {
     };
     let shares = if light.multi_directional { LIGHT_SHARES } else { [1.0, 0.0, 0.0] };
     let azimuths = [0.0, -SIDE_AZIMUTH_RAD, SIDE_AZIMUTH_RAD].map(|turn| light.sun_azimuth_rad + turn);
-    [0, 1, 2].map(|i| direction(azimuths[i]).extend(shares[i]))
+    [0, 1, 2].map(|i| {
+        let direction = direction(azimuths[i]);
+        direction.extend(shares[i] / direction.z)
+    })
 }
 
 fn linear_ramp(ramp: Ramp) -> [[f32; 4]; STOPS] {
@@ -190,7 +220,7 @@ mod tests {
             let [near_m, far_m] = depth_planes_m(bounds, eye);
             let corner_m = (bounds.max - eye).length().max((bounds.min - eye).length());
             assert!(near_m > 0.0 && far_m > corner_m);
-            assert!(near_m <= (eye.clamp(bounds.min, bounds.max) - eye).length().max(far_m * 2e-6).max(0.01));
+            assert!(near_m <= (eye.clamp(bounds.min, bounds.max) - eye).length().max(far_m * 2e-6));
         }
         let [near_m, far_m] = depth_planes_m(Aabb::EMPTY, DVec3::ZERO);
         assert!(near_m < far_m);

@@ -31,6 +31,7 @@ mod frame;
 #[cfg(feature = "wgpu")]
 mod gpu;
 mod morph;
+mod normals;
 mod options;
 mod palette;
 mod shade;
@@ -44,7 +45,8 @@ pub use frame::depth_planes_m;
 #[cfg(feature = "wgpu")]
 pub use gpu::{Gpu, Renderer, ResidentMesh, UploadStats};
 pub use morph::{Morph, morph_weight, morphed_height_m};
-pub use options::{Background, ColourBy, Haze, Light, RenderOptions, Wireframe};
+pub use normals::vertex_normals;
+pub use options::{Background, ColourBy, Haze, Light, RenderOptions, Shading, Wireframe};
 pub use vertex::{GpuVertex, TRIANGLE_BYTES, UNBOUNDED_M, VERTEX_BYTES, pack_normal, unpack_normal};
 #[cfg(feature = "wgpu")]
 pub use wgpu;

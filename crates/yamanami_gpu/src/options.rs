@@ -16,7 +16,11 @@ pub struct RenderOptions {
     pub deepest_level: u32,
     /// Image that [`ColourBy::Drape`] lays over the surface.
     pub drape: Option<Arc<Drape>>,
-    /// Light.
+    /// How light falls.
+    pub shading: Shading,
+    /// One normal a triangle instead of one a vertex: the triangles show.
+    pub flat: bool,
+    /// Light of [`Shading::Relief`].
     pub light: Light,
     /// Geomorphing; `None` draws every vertex at its place.
     pub morph: Option<Morph>,
@@ -44,6 +48,19 @@ pub enum ColourBy {
     Drape,
     /// One colour, sRGB.
     Plain([u8; 3]),
+    /// The colours of the vertices.
+    Vertex,
+}
+
+/// How light falls on the surface.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Shading {
+    /// From a fixed place in the sky, as on maps: for terrain, seen from above.
+    #[default]
+    Relief,
+    /// From over the viewer's shoulders and from the eye: for closed models. Both sides are lit, the inner one far less,
+    /// so that holes show and tell themselves.
+    Model,
 }
 
 /// Light on the surface.
@@ -99,6 +116,8 @@ impl Default for RenderOptions {
             tint_range_m: None,
             deepest_level: 12,
             drape: None,
+            shading: Shading::default(),
+            flat: false,
             light: Light::default(),
             morph: None,
             wireframe: None,

@@ -23,11 +23,11 @@ pub(crate) fn ramp_colour(frame: &Frame, t: f32) -> Vec3 {
     colour
 }
 
-/// Light that falls on a surface with this upward normal, linear.
+/// Light that falls on a surface with this normal, linear.
 pub(crate) fn light_on(frame: &Frame, normal: Vec3) -> Vec3 {
     let mut lit = 0.0;
     for light in frame.lights.map(Vec4::from_array) {
-        lit += light.w * normal.dot(light.truncate()).max(0.0) / light.z;
+        lit += light.w * normal.dot(light.truncate()).max(0.0);
     }
     let sun = 1.0 + frame.strength * (lit - 1.0);
     let sky = 1.0 + frame.strength * (0.5 * normal.z - 0.5);
@@ -44,8 +44,9 @@ pub(crate) fn sky_colour(frame: &Frame, direction: Vec3) -> Vec3 {
 }
 
 /// Colour of a surface point: `albedo` lit and hazed. `from_eye` is the point relative to the eye, `normal` points
-/// up, `underside` tells that the surface is seen from below.
+/// up or out, `underside` tells that the surface is seen from below or within.
 pub(crate) fn surface_colour(frame: &Frame, albedo: Vec3, from_eye: Vec3, normal: Vec3, underside: bool) -> Vec3 {
+    let normal = if underside && frame.two_sided != 0 { -normal } else { normal };
     let light = light_on(frame, normal) * if underside { UNDERSIDE } else { 1.0 };
     let haze = from_eye.length() * frame.haze_per_m;
     (albedo * light).lerp(rgb(frame.horizon), 1.0 - (-haze * haze).exp())

@@ -23,8 +23,8 @@ pub struct GpuVertex {
     pub bound_radius_m: f32,
     /// Unit normal on the octahedron, two signed 16-bit numbers, the first in the low half.
     pub normal_oct: u32,
-    /// Depth of the vertex's node.
-    pub level: u32,
+    /// Colour (sRGB), red in the lowest byte, and the depth of the vertex's node in the highest, at most 255.
+    pub colour_and_level: u32,
 }
 
 /// Bytes of a vertex.
@@ -42,7 +42,7 @@ impl GpuVertex {
             error_m: vertex.error_m.min(UNBOUNDED_M),
             bound_radius_m: vertex.bound_radius_m.min(UNBOUNDED_M),
             normal_oct: pack_normal(Vec3::from_array(vertex.normal)),
-            level: vertex.level,
+            colour_and_level: pack_colour_and_level(vertex.colour, vertex.level),
         }
     }
 
@@ -52,11 +52,29 @@ impl GpuVertex {
         Vec3::from_array(self.position)
     }
 
+    /// Colour, sRGB.
+    #[inline]
+    pub fn colour(&self) -> [u8; 3] {
+        let [r, g, b, _] = self.colour_and_level.to_le_bytes();
+        [r, g, b]
+    }
+
+    /// Depth of the vertex's node, at most 255.
+    #[inline]
+    pub fn level(&self) -> u32 {
+        self.colour_and_level >> 24
+    }
+
     /// Unit normal.
     #[inline]
     pub fn normal(&self) -> Vec3 {
         unpack_normal(self.normal_oct)
     }
+}
+
+/// Puts a colour and a level into one number; no level is above 255.
+fn pack_colour_and_level([r, g, b]: [u8; 3], level: u32) -> u32 {
+    u32::from_le_bytes([r, g, b, level.min(255) as u8])
 }
 
 /// Folds a unit vector onto the octahedron; anything that is not a direction becomes straight up.
@@ -101,6 +119,14 @@ mod tests {
             let back = unpack_normal(pack_normal(n));
             prop_assert!((n - back).length() < 1e-4, "{n} {back}");
         }
+    }
+
+    #[test]
+    fn colour_and_level_share_a_number() {
+        let packed =
+            |level| GpuVertex { colour_and_level: pack_colour_and_level([1, 200, 255], level), ..GpuVertex::default() };
+        assert_eq!((packed(7).colour(), packed(7).level()), ([1, 200, 255], 7));
+        assert_eq!((packed(900).colour(), packed(900).level()), ([1, 200, 255], 255));
     }
 
     #[test]

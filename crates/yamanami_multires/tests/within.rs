@@ -18,7 +18,7 @@ fn square(n: u32, height: impl Fn(f64, f64) -> f64) -> TriangleMesh {
 }
 
 fn bumps() -> TriangleMesh {
-    square(48, |x, y| 0.1 * (7.0 * x).sin() * (5.0 * y).cos() + 0.02 * (40.0 * x * y).sin())
+    square(28, |x, y| 0.1 * (7.0 * x).sin() * (5.0 * y).cos() + 0.02 * (40.0 * x * y).sin())
 }
 
 fn certified_m(a: &TriangleMesh, b: &TriangleMesh) -> f64 {
@@ -29,7 +29,7 @@ fn certified_m(a: &TriangleMesh, b: &TriangleMesh) -> f64 {
 fn the_limit_holds_and_is_used() {
     let source = bumps();
     let mut faces = source.triangles.len();
-    for limit_m in [1e-4, 1e-3, 1e-2] {
+    for limit_m in [1e-3, 1e-2] {
         let found = collapse_within(&source, limit_m, &CollapseOptions::default());
         assert!(found.certified_m <= limit_m && found.certified_m > 0.7 * limit_m, "{}", found.certified_m);
         let distance_m = certified_m(&source, &found.collapsed.mesh);
@@ -44,7 +44,7 @@ fn the_limit_holds_and_is_used() {
 #[test]
 fn no_more_faces_than_one_run_of_the_same_distance() {
     let source = bumps();
-    for target_faces in [2000, 500, 100] {
+    for target_faces in [700, 200, 60] {
         let plain = collapse(&source, &CollapseOptions { target_faces, ..Default::default() });
         let limit_m = certified_m(&source, &plain.mesh);
         let found = collapse_within(&source, limit_m, &CollapseOptions::default());
@@ -55,7 +55,7 @@ fn no_more_faces_than_one_run_of_the_same_distance() {
 
 #[test]
 fn a_flat_surface_needs_almost_nothing() {
-    let found = collapse_within(&square(30, |_, _| 0.0), 1e-9, &CollapseOptions::default());
+    let found = collapse_within(&square(16, |_, _| 0.0), 1e-9, &CollapseOptions::default());
     assert!(found.collapsed.mesh.triangles.len() < 40, "{}", found.collapsed.mesh.triangles.len());
 }
 
@@ -63,7 +63,7 @@ fn a_flat_surface_needs_almost_nothing() {
 fn what_is_locked_stays_and_the_target_is_kept() {
     let source = bumps();
     let locked: Vec<bool> = (0..source.positions.len()).map(|v| v % 37 == 0).collect();
-    let options = CollapseOptions { locked: Some(&locked), target_faces: 700, ..Default::default() };
+    let options = CollapseOptions { locked: Some(&locked), target_faces: 300, ..Default::default() };
     let found = collapse_within(&source, 0.05, &options).collapsed;
     for (v, &place) in source.positions.iter().enumerate().filter(|(v, _)| locked[*v]) {
         let kept = found.source_vertex.iter().position(|&s| s as usize == v);
@@ -72,7 +72,7 @@ fn what_is_locked_stays_and_the_target_is_kept() {
     for (&place, &s) in found.mesh.positions.iter().zip(&found.source_vertex).filter(|(_, s)| **s != u32::MAX) {
         assert_eq!(place, source.positions[s as usize]);
     }
-    assert!((699..=700).contains(&found.mesh.triangles.len()), "{}", found.mesh.triangles.len());
+    assert!((299..=300).contains(&found.mesh.triangles.len()), "{}", found.mesh.triangles.len());
     assert_eq!(found.stopped_by, StoppedBy::Target);
 }
 

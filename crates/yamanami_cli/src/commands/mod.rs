@@ -1,7 +1,9 @@
 //! The commands, one a file.
 
 mod build;
+mod build_model;
 mod check;
+mod check_model;
 mod compare;
 mod demo;
 mod extract;
@@ -11,8 +13,12 @@ mod fly;
 mod generate;
 mod info;
 mod info_mesh;
+mod info_model;
 mod info_text;
+mod reduce;
+mod reduce_text;
 mod render;
+mod render_model;
 mod reproduce;
 mod view;
 
@@ -54,6 +60,7 @@ enum Command {
     Fly(Box<fly::FlyArgs>),
     Render(render::RenderArgs),
     Extract(Box<extract::ExtractArgs>),
+    Reduce(Box<reduce::ReduceArgs>),
     Compare(compare::CompareArgs),
     Generate(generate::GenerateArgs),
     Reproduce(reproduce::ReproduceArgs),
@@ -69,6 +76,7 @@ impl Program {
             Command::Fly(args) => fly::run(args),
             Command::Render(args) => render::run(args),
             Command::Extract(args) => extract::run(args),
+            Command::Reduce(args) => reduce::run(args),
             Command::Compare(args) => compare::run(args),
             Command::Generate(args) => generate::run(args),
             Command::Reproduce(args) => reproduce::run(args),

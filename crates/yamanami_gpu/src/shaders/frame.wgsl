@@ -27,12 +27,16 @@ struct Frame {
     colour: u32,
     encode_srgb: u32,
     size_px: vec2<f32>,
+    two_sided: u32,
+    flat_normals: u32,
+    rest: vec2<u32>,
 }
 
 const COLOUR_PLAIN = 0u;
 const COLOUR_HEIGHT = 1u;
 const COLOUR_LEVEL = 2u;
 const COLOUR_DRAPE = 3u;
+const COLOUR_VERTEX = 4u;
 
 const SUN_LIGHT = vec3<f32>(0.74, 0.70, 0.62);
 const SKY_LIGHT = vec3<f32>(0.20, 0.24, 0.31);
@@ -59,6 +63,10 @@ fn unpack_normal(oct: u32) -> vec3<f32> {
     return normalize(vec3(select(fold, e, z >= 0.0), z));
 }
 
+fn linear_from_srgb(c: vec3<f32>) -> vec3<f32> {
+    return select(pow((c + 0.055) / 1.055, vec3(2.4)), c / 12.92, c <= vec3(0.04045));
+}
+
 fn ramp_colour(t: f32) -> vec3<f32> {
     var colour = frame.ramp[0].rgb;
     for (var i = 1u; i < 8u; i++) {
@@ -72,7 +80,7 @@ fn light_on(normal: vec3<f32>) -> vec3<f32> {
     var lit = 0.0;
     for (var i = 0u; i < 3u; i++) {
         let light = frame.lights[i];
-        lit += light.w * max(dot(normal, light.xyz), 0.0) / light.z;
+        lit += light.w * max(dot(normal, light.xyz), 0.0);
     }
     let sun = 1.0 + frame.strength * (lit - 1.0);
     let sky = 1.0 + frame.strength * (0.5 * normal.z - 0.5);
@@ -87,7 +95,8 @@ fn sky_colour(direction: vec3<f32>) -> vec3<f32> {
 }
 
 fn surface_colour(albedo: vec3<f32>, from_eye: vec3<f32>, normal: vec3<f32>, underside: bool) -> vec3<f32> {
-    let light = light_on(normal) * select(1.0, UNDERSIDE, underside);
+    let turned = underside && frame.two_sided != 0u;
+    let light = light_on(select(normal, -normal, turned)) * select(1.0, UNDERSIDE, underside);
     let haze = length(from_eye) * frame.haze_per_m;
     return mix(albedo * light, frame.horizon.rgb, 1.0 - exp(-haze * haze));
 }

@@ -6,29 +6,35 @@ struct Surface {
     @location(1) @interpolate(perspective, centroid) normal: vec3<f32>,
     @location(2) @interpolate(perspective, centroid) level: f32,
     @location(3) barycentric: vec3<f32>,
+    @location(4) @interpolate(perspective, centroid) colour: vec3<f32>,
+    @location(5) at_pixel: vec3<f32>, // from_eye once more, for its slope over the screen
 }
 
-fn place(position: vec3<f32>, detail_m: f32, error_m: f32, bound_radius_m: f32, oct: u32, level: u32) -> Surface {
+fn place(position: vec3<f32>, detail_m: f32, error_m: f32, bound_radius_m: f32, oct: u32, painted: u32) -> Surface {
     var from_eye = position - frame.eye.xyz;
     let weight = morph_weight(error_m, bound_radius_m, length(from_eye));
     from_eye.z -= detail_m * (1.0 - weight);
     let clip = frame.clip_from_eye * vec4(from_eye, 1.0);
-    return Surface(clip, from_eye, unpack_normal(oct), f32(level), vec3(1.0));
+    let colour = linear_from_srgb(unpack4x8unorm(painted).rgb);
+    return Surface(clip, from_eye, unpack_normal(oct), f32(painted >> 24u), vec3(1.0), colour, from_eye);
 }
 
 @vertex
 fn terrain_vertex(
     @location(0) position: vec3<f32>,
     @location(1) fade: vec3<f32>, // detail, error, bound radius
-    @location(2) normal_and_level: vec2<u32>,
+    @location(2) normal_and_paint: vec2<u32>,
 ) -> Surface {
-    return place(position, fade.x, fade.y, fade.z, normal_and_level.x, normal_and_level.y);
+    return place(position, fade.x, fade.y, fade.z, normal_and_paint.x, normal_and_paint.y);
 }
 
 fn albedo_of(in: Surface) -> vec3<f32> {
     let local = in.from_eye + frame.eye.xyz;
     if frame.colour == COLOUR_PLAIN {
         return frame.plain.rgb;
+    }
+    if frame.colour == COLOUR_VERTEX {
+        return in.colour;
     }
     if frame.colour == COLOUR_LEVEL {
         return ramp_colour(in.level * frame.ramp_per_level);
@@ -44,8 +50,19 @@ fn albedo_of(in: Surface) -> vec3<f32> {
     return tint;
 }
 
+// The triangle's normal, from how its places run over the screen.
+fn flat_normal(at_pixel: vec3<f32>, front: bool) -> vec3<f32> {
+    let across = cross(dpdx(at_pixel), dpdy(at_pixel));
+    let towards_eye = dot(across, at_pixel) < 0.0;
+    return normalize(select(-across, across, towards_eye == front));
+}
+
 fn lit(in: Surface, front: bool) -> vec3<f32> {
-    return surface_colour(albedo_of(in), in.from_eye, normalize(in.normal), !front);
+    var normal = normalize(in.normal);
+    if frame.flat_normals != 0u {
+        normal = flat_normal(in.at_pixel, front);
+    }
+    return surface_colour(albedo_of(in), in.from_eye, normal, !front);
 }
 
 @fragment

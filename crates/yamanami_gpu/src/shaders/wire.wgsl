@@ -9,7 +9,7 @@ struct StoredVertex {
     error_m: f32,
     bound_radius_m: f32,
     normal_oct: u32,
-    level: u32,
+    painted: u32,
 }
 
 @group(1) @binding(0) var<storage, read> vertices: array<StoredVertex>;
@@ -18,7 +18,7 @@ struct StoredVertex {
 @vertex
 fn wire_vertex(@builtin(vertex_index) index: u32) -> Surface {
     let v = vertices[indices[index]];
-    var out = place(vec3(v.x, v.y, v.z), v.detail_m, v.error_m, v.bound_radius_m, v.normal_oct, v.level);
+    var out = place(vec3(v.x, v.y, v.z), v.detail_m, v.error_m, v.bound_radius_m, v.normal_oct, v.painted);
     let corner = index % 3u;
     out.barycentric = vec3<f32>(vec3(corner) == vec3(0u, 1u, 2u));
     return out;

@@ -10,6 +10,9 @@
 mod place;
 mod raster;
 mod resolve;
+mod seen;
+
+pub use seen::{Visibility, visibility};
 
 use crate::frame::{Frame, check_size};
 use crate::palette::SrgbEncoder;
@@ -31,7 +34,8 @@ const BAND_ROWS: usize = 16;
 pub fn render_to_image(buffers: &ResidentBuffers, view: &View, options: &RenderOptions) -> Result<RgbaImage, GpuError> {
     check_size(view.viewport_px, MAX_SIDE_PX)?;
     let [width, height] = view.viewport_px;
-    let scene = Scene::new(buffers, view, options);
+    let samples: &[Sample] = if options.antialias { &FOUR_SAMPLES } else { &CENTRE };
+    let scene = Scene::new(buffers, view, options, samples);
     let resolver = Resolver::new(buffers, &scene.frame, &scene.vertices, options.drape.as_deref(), SrgbEncoder::new());
     let mut pixels = vec![0u8; width as usize * height as usize * 4];
     let row_bytes = width as usize * 4;
@@ -51,7 +55,7 @@ pub fn render_to_image(buffers: &ResidentBuffers, view: &View, options: &RenderO
 /// Number of pixels whose middle the mesh covers in this view.
 pub fn covered_pixels(buffers: &ResidentBuffers, view: &View) -> Result<u64, GpuError> {
     check_size(view.viewport_px, MAX_SIDE_PX)?;
-    let scene = Scene::new(buffers, view, &RenderOptions::default());
+    let scene = Scene::new(buffers, view, &RenderOptions::default(), &CENTRE);
     let bands = (view.viewport_px[1] as usize).div_ceil(BAND_ROWS);
     let count = |number| scene.draw_band::<1>(number, &CENTRE).covered_samples();
     Ok((0..bands).into_par_iter().map(count).sum())
@@ -67,11 +71,11 @@ struct Scene {
 }
 
 impl Scene {
-    fn new(buffers: &ResidentBuffers, view: &View, options: &RenderOptions) -> Self {
+    fn new(buffers: &ResidentBuffers, view: &View, options: &RenderOptions, samples: &[Sample]) -> Self {
         let frame = Frame::new(buffers.origin(), buffers.bounds(), view, options);
         let vertices: Vec<PlacedVertex> =
             buffers.vertices().par_iter().map(|vertex| PlacedVertex::new(&frame, vertex)).collect();
-        let triangles = place::screen_triangles(&frame, &vertices, buffers.triangles());
+        let triangles = place::screen_triangles(&frame, &vertices, buffers.triangles(), samples);
         let mut bands = vec![Vec::new(); (view.viewport_px[1] as usize).div_ceil(BAND_ROWS)];
         for (number, triangle) in (0u32..).zip(&triangles) {
             let [_, rows] = triangle.pixel_box(view.viewport_px);

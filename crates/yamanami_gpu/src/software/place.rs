@@ -1,5 +1,6 @@
 //! From vertices to triangles on the screen: the vertex shader's twin, clipping, and snapping to the sub-pixel grid.
 
+use super::raster::Sample;
 use crate::frame::Frame;
 use crate::morph::{Morph, morph_weight, morphed_height_m};
 use crate::{GpuVertex, shade};
@@ -56,6 +57,23 @@ impl ScreenTriangle {
         })
     }
 
+    /// Whether any sample of any pixel lies in the triangle's box: most triangles of a fine scan lie between samples.
+    fn may_show(&self, samples: &[Sample]) -> bool {
+        let reach = [0, 1].map(|axis| {
+            let coordinates = self.corners.map(|corner| corner[axis]);
+            [
+                coordinates.into_iter().fold(i64::MAX, i64::min),
+                coordinates.into_iter().fold(i64::MIN, i64::max),
+            ]
+        });
+        samples.iter().any(|sample| {
+            (0..2).all(|axis| {
+                let [least, greatest] = reach[axis].map(|v| v - sample[axis]);
+                greatest.div_euclid(SUBPIXELS) >= (least + SUBPIXELS - 1).div_euclid(SUBPIXELS)
+            })
+        })
+    }
+
     /// Snaps a convex corner triple, given in clip space; `None` when nothing is left of it.
     fn new(corners: [Vec3; 3], size_px: Vec2, slot: u32) -> Option<Self> {
         let mut screen = corners.map(|c| {
@@ -74,18 +92,19 @@ impl ScreenTriangle {
     }
 }
 
-/// All triangles that may show, in slot order.
+/// All triangles that may show at these samples of a pixel, in slot order.
 pub(super) fn screen_triangles(
     frame: &Frame,
     vertices: &[PlacedVertex],
     triangles: &[[u32; 3]],
+    samples: &[Sample],
 ) -> Vec<ScreenTriangle> {
     const CHUNK: usize = 4096;
     let place_chunk = |(chunk, triangles): (usize, &[[u32; 3]])| {
         let mut placed = Vec::with_capacity(triangles.len());
         for (slot, corners) in ((chunk * CHUNK) as u32..).zip(triangles) {
             if corners[0] != corners[1] {
-                place_triangle(frame, corners.map(|c| vertices[c as usize].clip), slot, &mut placed);
+                place_triangle(frame, corners.map(|c| vertices[c as usize].clip), slot, samples, &mut placed);
             }
         }
         placed
@@ -94,7 +113,9 @@ pub(super) fn screen_triangles(
     chunks.concat()
 }
 
-fn place_triangle(frame: &Frame, corners: [Vec3; 3], slot: u32, out: &mut Vec<ScreenTriangle>) {
+fn place_triangle(frame: &Frame, corners: [Vec3; 3], slot: u32, samples: &[Sample], out: &mut Vec<ScreenTriangle>) {
+    let snapped =
+        |corners, size_px| ScreenTriangle::new(corners, size_px, slot).filter(|triangle| triangle.may_show(samples));
     let near_m = frame.ray_forward[3];
     let size_px = Vec2::from_array(frame.size_px);
     let sides = |limit: f32| {
@@ -106,7 +127,7 @@ fn place_triangle(frame: &Frame, corners: [Vec3; 3], slot: u32, out: &mut Vec<Sc
     }
     let guard = sides(GUARD);
     if corners.iter().all(|&c| guard(c).iter().all(|&distance| distance >= 0.0)) {
-        out.extend(ScreenTriangle::new(corners, size_px, slot));
+        out.extend(snapped(corners, size_px));
         return;
     }
     let mut polygon = corners.to_vec();
@@ -114,7 +135,7 @@ fn place_triangle(frame: &Frame, corners: [Vec3; 3], slot: u32, out: &mut Vec<Sc
         polygon = clip(&polygon, |c| guard(c)[side]);
     }
     for i in 2..polygon.len() {
-        out.extend(ScreenTriangle::new([polygon[0], polygon[i - 1], polygon[i]], size_px, slot));
+        out.extend(snapped([polygon[0], polygon[i - 1], polygon[i]], size_px));
     }
 }
 

@@ -2,10 +2,10 @@
 
 use super::place::{PlacedVertex, SUBPIXELS};
 use super::raster::{Band, NOTHING, Sample};
-use crate::frame::{COLOUR_DRAPE, COLOUR_LEVEL, COLOUR_PLAIN, Frame};
+use crate::frame::{COLOUR_DRAPE, COLOUR_LEVEL, COLOUR_PLAIN, COLOUR_VERTEX, Frame};
 use crate::palette::{SrgbEncoder, srgb_to_linear};
 use crate::shade::{ramp_colour, rgb, sky_colour, surface_colour, wire_share};
-use crate::{Drape, ResidentBuffers};
+use crate::{Drape, GpuVertex, ResidentBuffers};
 use glam::{DMat3, DVec2, DVec3, Vec2, Vec3, Vec4};
 use image::RgbaImage;
 
@@ -86,17 +86,22 @@ impl<'a> Resolver<'a> {
         let placed = corners.map(|corner| &self.vertices[corner]);
         let stored = corners.map(|corner| &self.buffers.vertices()[corner]);
         let Some(shares) = Shares::new(placed.map(|v| v.clip)) else { return rgb(self.frame.horizon) };
-        let b = shares.at(self.ndc(pixel)).as_vec3();
+        // on the grid of sub-pixels a small triangle may hold a sample that its true corners do not
+        let b = shares.at(self.ndc(pixel)).as_vec3().max(Vec3::ZERO);
+        let b = b / b.element_sum();
         let from_eye = mix(b, placed.map(|v| v.from_eye));
-        let normal = mix(b, stored.map(|v| v.normal())).try_normalize().unwrap_or(Vec3::Z);
-        let level = b.dot(Vec3::from_array(stored.map(|v| v.level as f32)));
+        let underside = shares.over_depth.determinant() < 0.0;
+        let normal = if self.frame.flat != 0 {
+            flat_normal(placed.map(|v| v.from_eye))
+        } else {
+            mix(b, stored.map(|v| v.normal())).try_normalize().unwrap_or(Vec3::Z)
+        };
         let footprint = || {
             let across = mix(shares.at(self.ndc(pixel + DVec2::X)).as_vec3(), placed.map(|v| v.from_eye));
             let down = mix(shares.at(self.ndc(pixel + DVec2::Y)).as_vec3(), placed.map(|v| v.from_eye));
             [across - from_eye, down - from_eye]
         };
-        let albedo = self.albedo(from_eye, level, footprint);
-        let underside = shares.over_depth.determinant() < 0.0;
+        let albedo = self.albedo(b, stored, from_eye, footprint);
         let colour = surface_colour(self.frame, albedo, from_eye, normal, underside);
         if self.frame.wire[3] <= 0.0 {
             return colour;
@@ -109,12 +114,16 @@ impl<'a> Resolver<'a> {
         colour.lerp(rgb(self.frame.wire), wire_share(self.frame, b, slope))
     }
 
-    fn albedo(&self, from_eye: Vec3, level: f32, footprint: impl Fn() -> [Vec3; 2]) -> Vec3 {
+    fn albedo(&self, b: Vec3, corners: [&GpuVertex; 3], from_eye: Vec3, footprint: impl Fn() -> [Vec3; 2]) -> Vec3 {
         let frame = self.frame;
         if frame.colour == COLOUR_PLAIN {
             return rgb(frame.plain);
         }
+        if frame.colour == COLOUR_VERTEX {
+            return mix(b, corners.map(|v| Vec3::from_array(v.colour().map(|c| self.decode[usize::from(c)]))));
+        }
         if frame.colour == COLOUR_LEVEL {
+            let level = b.dot(Vec3::from_array(corners.map(|v| v.level() as f32)));
             return ramp_colour(frame, level * frame.ramp_per_level);
         }
         let local = from_eye + rgb(frame.eye);
@@ -171,6 +180,11 @@ impl Shares {
         let shares = self.over_depth * ndc.extend(1.0);
         shares / shares.element_sum()
     }
+}
+
+/// The normal of a triangle's plane on the side from which its corners run counter-clockwise.
+fn flat_normal([a, b, c]: [Vec3; 3]) -> Vec3 {
+    (b - a).cross(c - a).try_normalize().unwrap_or(Vec3::Z)
 }
 
 fn mix(b: Vec3, corners: [Vec3; 3]) -> Vec3 {

@@ -302,7 +302,9 @@ impl State {
 
 fn threshold2(goal: Goal, known2: f64) -> f64 {
     match goal {
-        Goal::Greatest { gap, at_most } => (known2.sqrt() * (1.0 + gap) + NOTHING).max(at_most).powi(2),
+        // the question is only whether it is within, until it is not
+        Goal::Greatest { at_most, .. } if at_most > 0.0 && known2 <= at_most * at_most => at_most * at_most,
+        Goal::Greatest { gap, .. } => (known2.sqrt() * (1.0 + gap) + NOTHING).powi(2),
         Goal::Within { limit } => limit.max(0.0).powi(2),
     }
 }

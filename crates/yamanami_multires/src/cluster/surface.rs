@@ -251,6 +251,32 @@ impl Surface for ClusterSurface {
         }
     }
 
+    fn emit_front(&self, active: &dyn ActiveSet, sink: &mut dyn Sink) {
+        let is_applied = |list: usize| list == self.pages.len() || active.is_active(list as NodeId);
+        let applied = (0..self.table.lists()).filter(|&list| is_applied(list));
+        let pages: Vec<(usize, &ClusterPage)> = applied.filter_map(|list| Some((list, self.page(list)?))).collect();
+        let mut gone: Vec<VertexId> = pages.iter().flat_map(|(_, page)| page.removed.iter().copied()).collect();
+        gone.sort_unstable();
+        for &(list, page) in &pages {
+            let own = self.table.vertices(list);
+            let mut gone = &gone[gone.partition_point(|&id| id < own.start)..];
+            for (id, vertex) in own.zip(&page.vertices) {
+                if gone.first() == Some(&id) {
+                    gone = &gone[1..];
+                } else {
+                    sink.add_vertex(id, self.vertex(list, vertex));
+                }
+            }
+        }
+        for &(list, _) in &pages {
+            for (cluster, place) in self.table.clusters(list).iter().zip(0..) {
+                if cluster.replaced_by == NOBODY || !active.is_active(cluster.replaced_by) {
+                    self.add_cluster(list, place, sink);
+                }
+            }
+        }
+    }
+
     fn mesh_of(&self, active: &dyn ActiveSet) -> TriangleMesh {
         let is_applied = |list: usize| list == self.pages.len() || active.is_active(list as NodeId);
         let mut triangles = Vec::new();

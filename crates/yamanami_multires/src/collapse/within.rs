@@ -23,14 +23,14 @@ const SPARING_TRIES: usize = 3;
 /// A step that leaves more than this share of its faces beyond the limit went too far to be mended: the first step, whose pins
 /// are as fine as the source, and later ones.
 const MOST_BEYOND_FIRST: f64 = 0.002;
-const MOST_BEYOND: f64 = 0.1;
+const MOST_BEYOND: f64 = 0.25;
 
 /// The first step's largest estimate, by the limit, and how often it may be halved.
 const FIRST_ESTIMATE: f64 = 1.0;
 const HALVINGS: usize = 12;
 
-/// Share of the free faces that later steps try to take away, first in the first pass.
-const FIRST_SHARES: [f64; 2] = [0.4, 0.15];
+/// Share of the free faces that later steps try to take away, the first time in each pass.
+const FIRST_SHARES: [f64; 3] = [0.4, 0.2, 0.1];
 
 /// A pass ends when it tries for less than this share, or gets half of that.
 const LEAST_SHARE: f64 = 0.02;
