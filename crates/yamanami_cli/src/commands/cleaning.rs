@@ -22,8 +22,8 @@ pub(crate) struct CleanArgs {
     #[arg(long, requires = "weld")]
     weld_across_seams: bool,
     /// Drop pieces of fewer faces
-    #[arg(long, value_name = "N", value_parser = values::faces, default_value_t = 0, hide_default_value = true)]
-    drop_pieces: usize,
+    #[arg(long, value_name = "N", value_parser = values::faces)]
+    drop_pieces: Option<usize>,
     /// Turn faces so that neighbours face the same way
     #[arg(long)]
     orient: bool,
@@ -31,13 +31,13 @@ pub(crate) struct CleanArgs {
 
 impl CleanArgs {
     fn options(&self) -> Option<CleanOptions> {
-        let asked = self.clean || self.weld.is_some() || self.drop_pieces > 0 || self.orient;
+        let asked = self.clean || self.weld.is_some() || self.drop_pieces.is_some() || self.orient;
         asked.then(|| {
             let base = if self.clean { CleanOptions::safe() } else { CleanOptions::default() };
             CleanOptions {
                 weld_m: self.weld.or(base.weld_m),
                 weld_across_seams: self.weld_across_seams,
-                min_component_faces: self.drop_pieces,
+                min_component_faces: self.drop_pieces.unwrap_or(0),
                 orient: self.orient,
                 ..base
             }
