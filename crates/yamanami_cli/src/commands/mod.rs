@@ -13,6 +13,7 @@ mod info;
 mod info_mesh;
 mod info_text;
 mod reduce;
+mod reduce_memory;
 mod reduce_text;
 mod render;
 mod render_model;
