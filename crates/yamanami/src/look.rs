@@ -46,7 +46,7 @@ impl LookLimits {
     }
 }
 
-/// A model's pictures, to hold others against.
+/// A model's pictures, to hold others against. They are drawn in software, so that every machine finds the same.
 #[derive(Debug)]
 pub struct Original {
     views: Vec<View>,
@@ -54,20 +54,13 @@ pub struct Original {
     unseen: Vec<ModelDifference>,
     antialias: bool,
     flat: bool,
-    with: DrawWith,
 }
 
 impl Original {
     /// Draws a model in every view, and once more a little moved, to learn what such a move, which is not seen, amounts to.
-    pub fn new(
-        mesh: &TriangleMesh,
-        views: &[View],
-        antialias: bool,
-        flat: bool,
-        with: DrawWith,
-    ) -> Result<Self, Error> {
+    pub fn new(mesh: &TriangleMesh, views: &[View], antialias: bool, flat: bool) -> Result<Self, Error> {
         let (pictures, unseen) = (Vec::new(), Vec::new());
-        let mut original = Self { views: views.iter().map(moved).collect(), pictures, unseen, antialias, flat, with };
+        let mut original = Self { views: views.iter().map(moved).collect(), pictures, unseen, antialias, flat };
         let moved = original.draw(mesh)?;
         original.views = views.to_vec();
         original.pictures = original.draw(mesh)?;
@@ -97,7 +90,7 @@ impl Original {
 
     /// Pictures of another model, drawn alike.
     pub fn draw(&self, mesh: &TriangleMesh) -> Result<Vec<RgbaImage>, Error> {
-        let mut canvas = Canvas::of_mesh(mesh, self.with)?;
+        let mut canvas = Canvas::of_mesh(mesh, DrawWith::Software)?;
         let style = RenderOptions { antialias: self.antialias, flat: self.flat, ..model_style(mesh) };
         self.views.iter().map(|view| canvas.draw(view, &style)).collect()
     }
@@ -172,10 +165,10 @@ pub fn look_same(
     method: Method,
     progress: &dyn Fn(&Probe),
 ) -> Result<LookSame, Error> {
-    let original = Original::new(&mesh, views, true, false, DrawWith::Auto)?;
+    let original = Original::new(&mesh, views, true, false)?;
     let covered_px = model_pixels(&Canvas::of_mesh(&mesh, DrawWith::Software)?, views)?;
     let source = (method == Method::Garland97).then(|| mesh.clone());
-    let start = Reduced { mesh, by: ReducedBy::Nothing, estimate_m: 0.0 };
+    let start = Reduced { mesh, by: ReducedBy::Nothing, estimate_m: 0.0, certified_m: None };
     let search = Search { original: &original, method, source: source.as_ref() };
     let (reduced, difference, probes) = search.between(start, FEWEST_FACES, progress)?;
     Ok(LookSame { reduced, covered_px, limits: original.limits(), probes, difference })
@@ -256,7 +249,7 @@ mod tests {
         let found = look_same(mesh.clone(), &views, Method::Memoryless, &|_| ()).unwrap();
         let faces = found.reduced.mesh.triangles.len();
         assert!(faces < mesh.triangles.len() / 2, "{faces}");
-        let original = Original::new(&mesh, &views, true, false, DrawWith::Software).unwrap();
+        let original = Original::new(&mesh, &views, true, false).unwrap();
         let pictures = original.draw(&found.reduced.mesh).unwrap();
         assert!(original.looks_same(&original.differences(&pictures).unwrap()));
         let largest_failing = found.probes.iter().filter(|p| !p.same).map(|p| p.faces).max();
@@ -268,7 +261,7 @@ mod tests {
         let unseen = |flip_mean, flip_p99, ssim| {
             let mesh = sheet(4);
             let views = model_views(&mesh.positions, 1, [64, 48]);
-            let original = Original::new(&mesh, &views, true, false, DrawWith::Software).unwrap();
+            let original = Original::new(&mesh, &views, true, false).unwrap();
             ModelDifference { flip_mean, flip_p99, ssim, ..original.unseen()[0] }
         };
         let usual = LookLimits::default();

@@ -6,7 +6,7 @@
 use crate::look::Search;
 use crate::mizuno_page::write_page;
 use crate::mizuno_sheet::{Cut, cuts_of};
-use crate::{DrawWith, Error, LookLimits, Original, Reduced, ReducedBy, model_camera, model_views, reduce, seen_side};
+use crate::{Error, LookLimits, Original, Reduced, ReducedBy, model_camera, model_views, reduce, seen_side};
 use crate::{display_need, worst_of};
 use glam::DVec3;
 use image::RgbaImage;
@@ -172,7 +172,7 @@ fn experiment(model: MizunoModel, progress: &dyn Fn(&str)) -> Result<Findings, E
 impl Stage {
     fn new(mesh: &TriangleMesh, view: View, styles: &[Style], regions: &[(String, DVec3, f64)]) -> Result<Self, Error> {
         let pixels = display_need(mesh, &[view], 1.0)?.pixels;
-        let of = |style: &Style| Original::new(mesh, &[view], style.antialias, style.flat, DrawWith::Auto);
+        let of = |style: &Style| Original::new(mesh, &[view], style.antialias, style.flat);
         let originals = styles.iter().map(of).collect::<Result<Vec<_>, _>>()?;
         let cuts = cuts_of(regions, &view, &originals[0].pictures()[0]);
         let of_source = |cut: &Cut| (cut.name.clone(), cut.out_of(&originals[0].pictures()[0]), Vec::new());
@@ -222,7 +222,7 @@ impl Stage {
         let (mesh, difference) = self.best.take().unzip();
         let mesh = mesh.unwrap_or_else(|| source.clone());
         let search = Search { original: &self.originals[0], method: Method::Memoryless, source: None };
-        let start = Reduced { mesh, by: ReducedBy::Faces, estimate_m: 0.0 };
+        let start = Reduced { mesh, by: ReducedBy::Faces, estimate_m: 0.0, certified_m: None };
         let (best, better, _) = search.between(start, self.fails.max(1), &|_| ())?;
         self.found.look = better.or(difference).map(|difference| (best.mesh.triangles.len(), difference));
         Ok(self.found)

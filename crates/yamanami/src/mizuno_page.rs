@@ -244,3 +244,68 @@ fn verdict(found: &Findings) -> String {
     };
     format!("{outcome}. Tried on {tried_on}. {needed}")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn difference(flip_mean: f64) -> ModelDifference {
+        ModelDifference { covered_px: 9, silhouette_px: 0, flip_mean, flip_p99: 0.0, ssim: 1.0, psnr_db: 40.0 }
+    }
+
+    /// Displays of a thousand pixels: the mean FLIP at 50 polygons a pixel, and the least that looks the same.
+    fn found(displays: &[(Option<f64>, Option<usize>)]) -> Findings {
+        let display = |&(at_50, least): &(Option<f64>, Option<usize>)| OnDisplay {
+            size_px: [64, 48],
+            pixels: 1000,
+            rungs: vec![Rung {
+                k: 50.0,
+                faces: at_50.map(|_| 50_000),
+                differences: at_50.map(difference).into_iter().collect(),
+            }],
+            unseen: vec![difference(0.0)],
+            limits: vec![LookLimits::default()],
+            cuts: Vec::new(),
+            look: least.map(|faces| (faces, difference(0.0))),
+        };
+        Findings {
+            name: "a".to_owned(),
+            title: "A".to_owned(),
+            source_faces: 200_000,
+            seen_faces: 100_000,
+            displays: displays.iter().map(display).collect(),
+            full: 0,
+        }
+    }
+
+    #[test]
+    fn the_verdict_follows_the_measures() {
+        let says = |displays: &[(Option<f64>, Option<usize>)], part: &str| {
+            let text = verdict(&found(displays));
+            assert!(text.contains(part), "{text}");
+        };
+        says(&[(Some(0.01), Some(45_000))], "50 holds: it is enough, and about what is needed");
+        says(&[(Some(0.01), Some(2_000)), (None, Some(5_000))], "50 is enough but not the least: it is 10 times");
+        says(&[(Some(0.01), Some(2_000)), (None, Some(5_000))], "1 of 2 displays (the source is too small");
+        says(
+            &[(Some(0.5), None), (Some(0.01), Some(40_000))],
+            "50 does not hold: at 50 the pictures look the same on 1 of 2",
+        );
+        says(&[(None, None)], "whether 50 holds cannot be said");
+        says(&[(None, Some(3_000))], "by what was found it is more than is needed");
+        says(&[(None, Some(3_000))], "3.00 polygons a pixel");
+    }
+
+    #[test]
+    fn the_page_has_its_tables_and_pictures() {
+        let folder = tempfile::tempdir().unwrap();
+        let page = write_page(&[found(&[(Some(0.01), Some(45_000)), (None, None)])], folder.path()).unwrap();
+        let html = std::fs::read_to_string(page).unwrap();
+        for file in html.split("src=\"").skip(1).filter_map(|rest| rest.split('"').next()) {
+            assert!(folder.path().join(file).is_file(), "{file}");
+        }
+        assert_eq!(html.matches("<img").count(), 5);
+        assert!(html.contains("45,000 (45.00 ×)") && html.contains("the source only"), "{html}");
+        assert!(folder.path().join("mizuno.md").is_file());
+    }
+}

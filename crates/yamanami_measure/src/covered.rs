@@ -11,7 +11,6 @@ const MARGIN_PX: u32 = 24;
 
 /// How far two pictures of a model are apart.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
 pub struct ModelDifference {
     /// Pixels that are not background in one picture or the other.
     pub covered_px: u64,

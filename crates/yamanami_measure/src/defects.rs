@@ -54,14 +54,18 @@ pub struct MeshDefects {
 /// # Panics
 /// When a triangle names a vertex that the mesh does not have.
 pub fn mesh_defects(mesh: &TriangleMesh) -> MeshDefects {
+    defects_in_parts(mesh, AT_ONCE)
+}
+
+fn defects_in_parts(mesh: &TriangleMesh, at_once: usize) -> MeshDefects {
     let place = places(mesh);
     let mut found =
         MeshDefects { triangles: mesh.triangles.len(), vertices: mesh.positions.len(), ..MeshDefects::default() };
     count_vertices(mesh, &place, &mut found);
     count_components(mesh, &place, &mut found);
     count_shapes(mesh, &place, &mut found);
-    count_edges(mesh, &place, &mut found);
-    found.duplicate_faces = duplicates(mesh, &place);
+    count_edges(mesh, &place, at_once, &mut found);
+    found.duplicate_faces = duplicates(mesh, &place, at_once);
     found
 }
 
@@ -124,7 +128,7 @@ fn plan_longest([p, q, r]: [DVec3; 3]) -> f64 {
     square(p, q).max(square(q, r)).max(square(r, p))
 }
 
-fn count_edges(mesh: &TriangleMesh, place: &[u32], found: &mut MeshDefects) {
+fn count_edges(mesh: &TriangleMesh, place: &[u32], at_once: usize, found: &mut MeshDefects) {
     let edges = |t: &[u32; 3]| {
         let [a, b, c] = t.map(|i| place[i as usize]);
         // a face with a repeated corner has no sides
@@ -132,9 +136,9 @@ fn count_edges(mesh: &TriangleMesh, place: &[u32], found: &mut MeshDefects) {
         [[a, b], [b, c], [c, a]].into_iter().filter(move |_| whole)
     };
     let mut open = Vec::new();
-    for (from, to) in
-        parts(place.len(), 3 * mesh.triangles.len(), || mesh.triangles.iter().flat_map(edges).map(|[p, q]| p.min(q)))
-    {
+    for (from, to) in parts(place.len(), 3 * mesh.triangles.len(), at_once, || {
+        mesh.triangles.iter().flat_map(edges).map(|[p, q]| p.min(q))
+    }) {
         // lower end, higher end, and in the last bit the direction
         let mut keys: Vec<u64> = mesh
             .triangles
@@ -156,14 +160,15 @@ fn count_edges(mesh: &TriangleMesh, place: &[u32], found: &mut MeshDefects) {
     found.border_loops = connected_runs(&open);
 }
 
-fn duplicates(mesh: &TriangleMesh, place: &[u32]) -> usize {
+fn duplicates(mesh: &TriangleMesh, place: &[u32], at_once: usize) -> usize {
     let sorted = |t: &[u32; 3]| {
         let mut places = t.map(|i| place[i as usize]);
         places.sort_unstable();
         places
     };
     let mut count = 0;
-    for (from, to) in parts(place.len(), mesh.triangles.len(), || mesh.triangles.iter().map(|t| sorted(t)[0])) {
+    for (from, to) in parts(place.len(), mesh.triangles.len(), at_once, || mesh.triangles.iter().map(|t| sorted(t)[0]))
+    {
         let mut faces: Vec<[u32; 3]> =
             mesh.triangles.par_iter().map(sorted).filter(|t| (from..to).contains(&t[0])).collect();
         faces.par_sort_unstable();
@@ -172,10 +177,15 @@ fn duplicates(mesh: &TriangleMesh, place: &[u32]) -> usize {
     count
 }
 
-/// Ranges of vertices such that about [`AT_ONCE`] of the items fall in each, by an item's vertex.
-fn parts<I: Iterator<Item = u32>>(vertices: usize, items: usize, item_vertices: impl Fn() -> I) -> Vec<(u32, u32)> {
+/// Ranges of vertices such that about `at_once` of the items fall in each, by an item's vertex.
+fn parts<I: Iterator<Item = u32>>(
+    vertices: usize,
+    items: usize,
+    at_once: usize,
+    item_vertices: impl Fn() -> I,
+) -> Vec<(u32, u32)> {
     let end = vertices as u32;
-    if items <= AT_ONCE && vertices < 1 << 31 {
+    if items <= at_once && vertices < 1 << 31 {
         return vec![(0, end)];
     }
     let width = vertices.div_ceil(BUCKETS).max(1);
@@ -188,7 +198,7 @@ fn parts<I: Iterator<Item = u32>>(vertices: usize, items: usize, item_vertices: 
     for (bucket, count) in counts.into_iter().enumerate() {
         let start = (bucket * width).min(vertices);
         // a pass numbers its vertices in 31 bits
-        if (held + count > AT_ONCE && held > 0) || start + width - from >= 1 << 31 {
+        if (held + count > at_once && held > 0) || start + width - from >= 1 << 31 {
             parts.push((from as u32, start as u32));
             (from, held) = (start, 0);
         }
@@ -201,6 +211,8 @@ fn parts<I: Iterator<Item = u32>>(vertices: usize, items: usize, item_vertices: 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
+    use std::collections::{BTreeMap, BTreeSet};
 
     fn mesh(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> TriangleMesh {
         TriangleMesh::new(points.iter().map(|&p| p.into()).collect(), triangles.to_vec())
@@ -245,8 +257,74 @@ mod tests {
     #[test]
     fn parts_cover_all_vertices() {
         let vertices = 3 * AT_ONCE / 2;
-        let parts = parts(vertices, vertices, || 0..vertices as u32);
+        let parts = parts(vertices, vertices, AT_ONCE, || 0..vertices as u32);
         assert!(parts.len() > 1 && parts[0].0 == 0 && parts.last().unwrap().1 == vertices as u32);
         assert!(parts.windows(2).all(|pair| pair[0].1 == pair[1].0));
+    }
+
+    /// The same counts by maps and searches, as plainly as can be.
+    fn slowly(mesh: &TriangleMesh) -> MeshDefects {
+        let key = |i: u32| mesh.positions[i as usize].to_array().map(|c| (c + 0.0).to_bits());
+        let places: Vec<[[u64; 3]; 3]> = mesh.triangles.iter().map(|t| t.map(key)).collect();
+        let mut edges: BTreeMap<[[u64; 3]; 2], Vec<bool>> = BTreeMap::new();
+        let mut found = MeshDefects::default();
+        let mut faces = BTreeSet::new();
+        let mut parts: Vec<BTreeSet<[u64; 3]>> = Vec::new();
+        for &[a, b, c] in &places {
+            let mut face = [a, b, c];
+            face.sort_unstable();
+            found.duplicate_faces += usize::from(!faces.insert(face));
+            let (joined, apart): (Vec<_>, Vec<_>) =
+                parts.into_iter().partition(|part| face.iter().any(|p| part.contains(p)));
+            parts = apart;
+            parts.push(joined.into_iter().flatten().chain(face).collect());
+            if a == b || b == c || c == a {
+                found.repeated_corner_faces += 1;
+                continue;
+            }
+            for [p, q] in [[a, b], [b, c], [c, a]] {
+                edges.entry([p.min(q), p.max(q)]).or_default().push(p < q);
+            }
+        }
+        found.components = parts.len();
+        for sides in edges.values() {
+            match sides[..] {
+                [_] => found.open_edges += 1,
+                [first, second] => found.inconsistent_edges += usize::from(first == second),
+                _ => found.non_manifold_edges += 1,
+            }
+        }
+        let used: BTreeSet<u32> = mesh.triangles.iter().flatten().copied().collect();
+        found.places = used.iter().map(|&i| key(i)).collect::<BTreeSet<_>>().len();
+        found.isolated_vertices = mesh.positions.len() - used.len();
+        found
+    }
+
+    proptest! {
+        #[test]
+        fn sorting_in_parts_counts_what_searching_finds(
+            points in prop::collection::vec(prop::array::uniform3(-1..2i32), 3..25),
+            faces in prop::collection::vec(prop::array::uniform3(0..1000u32), 1..40),
+            at_once in 1..50usize,
+        ) {
+            let points: Vec<[f64; 3]> = points.iter().map(|p| p.map(f64::from)).collect();
+            let faces: Vec<[u32; 3]> = faces.iter().map(|t| t.map(|i| i % points.len() as u32)).collect();
+            let mesh = mesh(&points, &faces);
+            let found = mesh_defects(&mesh);
+            prop_assert_eq!(defects_in_parts(&mesh, at_once), found);
+            let slow = slowly(&mesh);
+            let expected = MeshDefects {
+                components: slow.components,
+                places: slow.places,
+                open_edges: slow.open_edges,
+                inconsistent_edges: slow.inconsistent_edges,
+                non_manifold_edges: slow.non_manifold_edges,
+                duplicate_faces: slow.duplicate_faces,
+                repeated_corner_faces: slow.repeated_corner_faces,
+                isolated_vertices: slow.isolated_vertices,
+                ..found
+            };
+            prop_assert_eq!(found, expected);
+        }
     }
 }

@@ -4,7 +4,9 @@
 //! wavelet, its guaranteed vertical errors, and the surface that emits any parent-closed front of it. [`clean`] prepares
 //! scans. This crate never sees a view, a frame, a file or a GPU.
 
+pub mod bound;
 pub mod clean;
+pub mod cluster;
 pub mod collapse;
 mod error;
 pub mod wavelet;

@@ -1,5 +1,6 @@
 //! `reduce`: a model with fewer polygons.
 
+use super::cleaning::CleanArgs;
 use super::{reduce_memory, reduce_text};
 use crate::args::{EyeArgs, UpArgs};
 use crate::failure::Failure;
@@ -10,10 +11,11 @@ use std::path::PathBuf;
 use std::time::Instant;
 use yamanami::core::{TriangleMesh, View};
 use yamanami::io::mesh_file::{self, MeshMeta};
+use yamanami::multires::clean::CleanReport;
 use yamanami::multires::collapse::{CollapseOptions, Method};
 use yamanami::{
     Closing, DisplayNeed, LargeTarget, LookSame, POLYGONS_PER_PIXEL, Probe, Reduced, ReducedBy, close, display_need,
-    look_same, model_camera, model_views, reduce, seen_side,
+    look_same, model_camera, model_views, reduce, reduce_within, seen_side,
 };
 
 /// Reduce a model to fewer polygons: to a number, to an error, or to what a display can show
@@ -22,7 +24,7 @@ use yamanami::{
 Examples:
   yamanami reduce scan.ply -o small.glb --faces 100000
   yamanami reduce scan.ply -o small.ply --ratio 10%
-  yamanami reduce scan.ply -o small.ply --error 0.002              no step further than 2 mm
+  yamanami reduce scan.ply -o small.ply --error 0.002              within 2 mm of the scan, both ways, for certain
   yamanami reduce scan.ply -o small.ply --display 1920x1080        50 polygons for each pixel it covers
   yamanami reduce scan.ply -o small.ply --display 800x600 --views 8 --polygons-per-pixel 2
   yamanami reduce scan.ply -o small.ply --look same                as few as look the same at 1920x1080
@@ -44,7 +46,8 @@ pub(crate) struct ReduceArgs {
     /// Such a share of the faces: 0.1 or 10%
     #[arg(long, value_name = "R", value_parser = values::ratio, help_heading = "How far", conflicts_with_all = ["display", "look"])]
     ratio: Option<f64>,
-    /// No step that moves the surface further than this, metres (units of the file)
+    /// As far as the reduced surface and the source are certain to stay within so many metres (units of the file) of each
+    /// other everywhere
     #[arg(long, value_name = "M", value_parser = values::not_negative, help_heading = "How far", conflicts_with = "look")]
     error: Option<f64>,
     /// What a display of this size can show
@@ -63,7 +66,7 @@ pub(crate) struct ReduceArgs {
     #[arg(long, value_enum, value_name = "HOW", help_heading = "How")]
     hide_back: Option<HideName>,
     /// Hold no more than this, as 500MB or 2GB; a .ply may be larger then. For --faces and --ratio
-    #[arg(long, value_name = "SIZE", value_parser = values::memory, help_heading = "How", conflicts_with_all = ["error", "display", "look", "hide_back", "views", "eye"])]
+    #[arg(long, value_name = "SIZE", value_parser = values::memory, help_heading = "How", conflicts_with_all = ["error", "display", "look", "hide_back", "views", "eye", "clean", "weld", "drop_pieces", "orient"])]
     memory: Option<u64>,
     #[command(flatten)]
     eye: EyeArgs,
@@ -75,6 +78,8 @@ pub(crate) struct ReduceArgs {
     /// Which collapse
     #[arg(long, value_enum, default_value_t, value_name = "NAME", help_heading = "How")]
     pub(super) method: MethodName,
+    #[command(flatten)]
+    cleaning: CleanArgs,
     /// Print JSON
     #[arg(long, help_heading = "Results")]
     pub(super) json: bool,
@@ -117,6 +122,7 @@ pub(super) struct Told<'a> {
     pub(super) args: &'a ReduceArgs,
     /// Faces and vertices of the source.
     pub(super) source: [usize; 2],
+    pub(super) cleaned: Option<CleanReport>,
     pub(super) display: Option<[u32; 2]>,
     pub(super) views: &'a [View],
     pub(super) need: Option<DisplayNeed>,
@@ -150,6 +156,7 @@ pub(crate) fn run(args: &ReduceArgs) -> Result<(), Failure> {
     };
     args.up.turn(&mut mesh);
     let source = [mesh.triangles.len(), mesh.positions.len()];
+    let cleaned = args.cleaning.apply(&mut mesh);
     let views = display.map_or_else(Vec::new, |size| views(args, &mesh, size));
     let need = match display {
         Some(_) => {
@@ -201,6 +208,7 @@ pub(crate) fn run(args: &ReduceArgs) -> Result<(), Failure> {
     reduce_text::tell(&Told {
         args,
         source,
+        cleaned,
         display,
         views: &views,
         need,
@@ -220,12 +228,14 @@ fn to_target(args: &ReduceArgs, mesh: TriangleMesh, target_faces: usize) -> Redu
     let progress = |share| bar.set_share(share);
     let options = CollapseOptions {
         target_faces,
-        max_error_m: args.error.unwrap_or(f64::INFINITY),
         method: args.method.method(),
         progress: Some(&progress),
         ..CollapseOptions::default()
     };
-    reduce(mesh, &options)
+    match args.error {
+        Some(limit_m) => reduce_within(mesh, limit_m, &options),
+        None => reduce(mesh, &options),
+    }
 }
 
 /// Searches for the smallest mesh that looks the same.

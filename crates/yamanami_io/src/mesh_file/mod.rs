@@ -8,6 +8,8 @@
 //! | `.off` | text | every digit | yes | yes | |
 //! | `.glb` | glTF 2.0, y up | single precision, relative to an origin that is the node's translation | yes | yes | in it |
 //!
+//! glTF of text (`.gltf`) is read only. Its buffers may lie in it, beside it, or be packed by meshopt.
+//!
 //! What is read back is in metres, z up, checked: every position finite, every index in range, every attribute one a
 //! vertex or absent. Polygons come as triangles; repeated corners and faces are the model's own affair and stay.
 
