@@ -17,6 +17,7 @@ mod info_mesh;
 mod info_model;
 mod info_text;
 mod reduce;
+mod reduce_memory;
 mod reduce_text;
 mod render;
 mod render_model;

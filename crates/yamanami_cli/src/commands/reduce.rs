@@ -1,7 +1,7 @@
 //! `reduce`: a model with fewer polygons.
 
 use super::cleaning::CleanArgs;
-use super::reduce_text;
+use super::{reduce_memory, reduce_text};
 use crate::args::{EyeArgs, UpArgs};
 use crate::failure::Failure;
 use crate::progress::Bar;
@@ -14,8 +14,8 @@ use yamanami::io::mesh_file::{self, MeshMeta};
 use yamanami::multires::clean::CleanReport;
 use yamanami::multires::collapse::{CollapseOptions, Method};
 use yamanami::{
-    Closing, DisplayNeed, LookSame, POLYGONS_PER_PIXEL, Probe, Reduced, ReducedBy, close, display_need, look_same,
-    model_camera, model_views, reduce, reduce_within, seen_side,
+    Closing, DisplayNeed, LargeTarget, LookSame, POLYGONS_PER_PIXEL, Probe, Reduced, ReducedBy, close, display_need,
+    look_same, model_camera, model_views, reduce, reduce_within, seen_side,
 };
 
 /// Reduce a model to fewer polygons: to a number, to an error, or to what a display can show
@@ -30,12 +30,13 @@ Examples:
   yamanami reduce scan.ply -o small.ply --look same                as few as look the same at 1920x1080
   yamanami reduce scan.ply -o small.ply --display 1280x720 --hide-back close
                                                 the side that is not seen becomes one polygon
+  yamanami reduce huge.ply -o small.ply --ratio 1% --memory 2GB    a scan larger than memory
 
 With --display the model is drawn off-screen and the pixels it covers are counted; of several views the
 one that covers most counts. Several limits hold together; the output says which one ended it.")]
 pub(crate) struct ReduceArgs {
     /// The mesh: .ply, .obj, .stl, .glb
-    mesh: PathBuf,
+    pub(super) mesh: PathBuf,
     /// The mesh to write: .ply, .obj, .stl or .glb
     #[arg(short, long, value_name = "FILE", help_heading = "Results")]
     pub(super) output: PathBuf,
@@ -64,6 +65,9 @@ pub(crate) struct ReduceArgs {
     /// What becomes of the side that no view sees
     #[arg(long, value_enum, value_name = "HOW", help_heading = "How")]
     hide_back: Option<HideName>,
+    /// Hold no more than this, as 500MB or 2GB; a .ply may be larger then. For --faces and --ratio
+    #[arg(long, value_name = "SIZE", value_parser = values::memory, help_heading = "How", conflicts_with_all = ["error", "display", "look", "hide_back", "views", "eye", "clean", "weld", "drop_pieces", "orient"])]
+    memory: Option<u64>,
     #[command(flatten)]
     eye: EyeArgs,
     #[command(flatten)]
@@ -73,7 +77,7 @@ pub(crate) struct ReduceArgs {
     fov: Option<f64>,
     /// Which collapse
     #[arg(long, value_enum, default_value_t, value_name = "NAME", help_heading = "How")]
-    method: MethodName,
+    pub(super) method: MethodName,
     #[command(flatten)]
     cleaning: CleanArgs,
     /// Print JSON
@@ -83,7 +87,7 @@ pub(crate) struct ReduceArgs {
 
 /// Names of the collapses.
 #[derive(Debug, Clone, Copy, Default, ValueEnum)]
-enum MethodName {
+pub(super) enum MethodName {
     /// Quadrics worked out anew from the surface at hand, volume kept
     #[default]
     Memoryless,
@@ -139,6 +143,12 @@ pub(crate) fn run(args: &ReduceArgs) -> Result<(), Failure> {
     }
     if display.is_none() && (args.hide_back.is_some() || args.views.is_some() || args.eye.eye.is_some()) {
         return Err(Failure::misuse("seen on what? views need a --display WxH"));
+    }
+    if let Some(memory_bytes) = args.memory {
+        // one of both was asked for
+        let ratio = LargeTarget::Ratio(args.ratio.unwrap_or(1.0));
+        let target = args.faces.map_or(ratio, |faces| LargeTarget::Faces(faces as u64));
+        return reduce_memory::run(args, target, memory_bytes);
     }
     let mut mesh = {
         let _bar = Bar::spinner("reading");
@@ -250,7 +260,7 @@ fn views(args: &ReduceArgs, mesh: &TriangleMesh, size_px: [u32; 2]) -> Vec<View>
 }
 
 impl MethodName {
-    fn method(self) -> Method {
+    pub(super) fn method(self) -> Method {
         match self {
             Self::Memoryless => Method::Memoryless,
             Self::Garland97 => Method::Garland97,
