@@ -1,20 +1,20 @@
 //! How many triangles a second this machine draws: R of the paper, from which N_T = R / v.
 
-use crate::{Canvas, DrawWith, Error, Scene, Terrain, overview};
+use crate::{Canvas, DrawWith, Error, Scene, Subject, overview};
 use std::time::Instant;
 use yamanami_gpu::RenderOptions;
 
 /// Triangles of the mesh that is timed.
 const TIMED_TRIANGLES: u32 = 100_000;
 
-/// Triangles a second drawn off-screen at this picture size: the best of a few frames of a mesh of this terrain.
-pub fn measure_rate(terrain: &mut Terrain, with: DrawWith, viewport_px: [u32; 2]) -> Result<f64, Error> {
-    let mut scene = Scene::new(terrain, Canvas::new(glam::DVec3::ZERO, with)?);
-    let view = overview(terrain, viewport_px);
+/// Triangles a second drawn off-screen at this picture size: the best of a few frames of a mesh of this terrain or model.
+pub fn measure_rate(subject: &mut impl Subject, with: DrawWith, viewport_px: [u32; 2]) -> Result<f64, Error> {
+    let mut scene = Scene::new(subject, Canvas::new(subject.bounds().centre(), with)?);
+    let view = overview(subject, viewport_px);
     let criteria = crate::Criteria { budget_triangles: Some(TIMED_TRIANGLES), ..crate::Criteria::default() };
     let mut triangles = 0;
     for _ in 0..8 {
-        let update = scene.update(terrain, &criteria)?;
+        let update = scene.update(subject, &criteria)?;
         triangles = update.report.triangles;
         if update.pages == 0 {
             break;

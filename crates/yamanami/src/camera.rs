@@ -1,17 +1,22 @@
-//! Cameras over a terrain.
+//! Cameras over a terrain and around a model.
 
-use crate::Terrain;
+use crate::{Subject, model_views};
 use glam::DVec3;
 use yamanami_core::{Perspective, Projection, View};
 
 /// Vertical field of view where none is given, radians (40°).
 pub(crate) const FOV_Y_RAD: f64 = 0.698_131_700_797_731_8;
 
-/// A view of the whole terrain from the south-west and above, as near as it fits the picture.
-pub fn overview(terrain: &Terrain, viewport_px: [u32; 2]) -> View {
-    let [east_m, north_m] = terrain.extent_m();
-    let [low, high] = terrain.range_m().map(f64::from);
-    let centre = DVec3::new(0.5 * east_m, -0.5 * north_m, 0.5 * (low + high));
+/// A view of the whole, as near as it fits the picture: of a terrain from the south-west and above, of a model as
+/// [`model_views`] has its first.
+pub fn overview(subject: &impl Subject, viewport_px: [u32; 2]) -> View {
+    let bounds = subject.bounds();
+    if subject.as_terrain().is_none() {
+        return model_views(&bounds.corners(), 1, viewport_px)[0];
+    }
+    let [east_m, north_m] = (bounds.max - bounds.min).truncate().to_array();
+    let [low, high] = [bounds.min.z, bounds.max.z];
+    let centre = bounds.centre();
     // the border's corners low and half high, and a summit in the middle
     let mut points = vec![DVec3::new(centre.x, centre.y, high)];
     for (x, y) in [(0.0, 0.0), (east_m, 0.0), (0.0, -north_m), (east_m, -north_m)] {
@@ -44,10 +49,13 @@ pub fn overview(terrain: &Terrain, viewport_px: [u32; 2]) -> View {
 }
 
 /// A view from a place to a place, both in the source CRS, heights in metres.
-pub fn view_between(terrain: &Terrain, eye: [f64; 3], target: [f64; 3], fov_y_rad: f64, viewport_px: [u32; 2]) -> View {
-    let local = |p: [f64; 3]| {
-        let [x, y] = terrain.geo().local_from_source(p[0], p[1]);
-        DVec3::new(x, y, p[2])
-    };
+pub fn view_between(
+    subject: &impl Subject,
+    eye: [f64; 3],
+    target: [f64; 3],
+    fov_y_rad: f64,
+    viewport_px: [u32; 2],
+) -> View {
+    let local = |p: [f64; 3]| subject.local_from_source(DVec3::from_array(p));
     View { eye: local(eye), target: local(target), fov_y_rad, viewport_px }
 }

@@ -1,7 +1,6 @@
 //! The front for a tolerance, a view or a budget, as a mesh.
 
-use crate::{Controller, Criteria, Data, Error, FrameReport, LimitedBy, Terrain};
-use glam::DVec3;
+use crate::{Controller, Criteria, Error, FrameReport, LimitedBy, Subject};
 use yamanami_core::{Hierarchy, Surface, TriangleMesh};
 
 /// An extracted mesh and what it keeps.
@@ -18,46 +17,45 @@ pub struct Extracted {
 /// The coordinates of a mesh file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Frame {
-    /// Those of the source CRS.
+    /// Those of the source: its CRS, or the model file's own.
     Source,
     /// Metres east and north of the first sample.
     Local,
 }
 
 /// Extracts the mesh that criteria ask for. From a database only the pages that the mesh needs are read.
-pub fn extract(terrain: &Terrain, criteria: &Criteria) -> Result<Extracted, Error> {
-    let surface = terrain.surface();
-    if let (Data::Grid(_), None, None) = (surface.data(), &criteria.view, criteria.budget_triangles) {
+pub fn extract(subject: &mut impl Subject, criteria: &Criteria) -> Result<Extracted, Error> {
+    if let (false, None, None) = (subject.is_paged(), &criteria.view, criteria.budget_triangles) {
+        let surface = subject.surface();
         let tolerance_m = criteria.terrain_tolerance_m;
         let mesh = surface.mesh_of(&|node| surface.error_m(node) > tolerance_m);
         return Ok(Extracted { mesh, error_left: tolerance_m, limited_by: LimitedBy::Tolerance });
     }
-    let mut controller = Controller::new(surface);
-    let report = settle(terrain, &mut controller, criteria)?;
-    let mesh = surface.mesh_of(controller.front());
+    let mut controller = Controller::new(subject.surface());
+    let report = settle(subject, &mut controller, criteria)?;
+    let mesh = subject.surface().mesh_of(controller.front());
     Ok(Extracted { mesh, error_left: report.error_left, limited_by: report.limited_by })
 }
 
 /// Updates a front until no page is missing.
 pub(crate) fn settle(
-    terrain: &Terrain,
+    subject: &mut impl Subject,
     controller: &mut Controller,
     criteria: &Criteria,
 ) -> Result<FrameReport, Error> {
     loop {
-        let report = controller.update(terrain.surface(), criteria, |_, _| ());
-        if report.wanted.is_empty() || terrain.load(&report.wanted, usize::MAX)? == 0 {
+        let report = controller.update(subject.surface(), criteria, |_, _| ());
+        if report.wanted.is_empty() || subject.load(&report.wanted, usize::MAX)? == 0 {
             return Ok(report);
         }
     }
 }
 
 /// Moves a mesh of the local frame into a frame for writing.
-pub fn to_frame(terrain: &Terrain, mut mesh: TriangleMesh, frame: Frame) -> TriangleMesh {
+pub fn to_frame(subject: &impl Subject, mut mesh: TriangleMesh, frame: Frame) -> TriangleMesh {
     if frame == Frame::Source {
         for p in &mut mesh.positions {
-            let [x, y] = terrain.geo().source_from_local(p.x, p.y);
-            *p = DVec3::new(x, y, p.z);
+            *p = subject.source_from_local(*p);
         }
     }
     mesh

@@ -1,7 +1,7 @@
 //! Flights: a camera path replayed frame by frame, and what each frame cost.
 
 use crate::scene::morph_of;
-use crate::{CameraPath, Canvas, Criteria, Error, LimitedBy, Scene, Staircase, Terrain, ViewCriterion};
+use crate::{CameraPath, Canvas, Criteria, Error, LimitedBy, Scene, Staircase, Subject, ViewCriterion};
 use image::RgbaImage;
 use serde::Serialize;
 use std::time::Instant;
@@ -74,15 +74,15 @@ pub struct FrameStats {
 
 /// Flies a path; `each` hears of every frame, with its picture when drawn.
 pub fn fly(
-    terrain: &mut Terrain,
+    subject: &mut impl Subject,
     canvas: Canvas,
     path: &CameraPath,
     options: &FlightOptions,
     mut each: impl FnMut(usize, &FrameStats, Option<&RgbaImage>) -> Result<(), Error>,
 ) -> Result<Vec<FrameStats>, Error> {
     let mut scene = match &options.lod {
-        Lod::Exact => Scene::new(terrain, canvas),
-        Lod::Paper(staircase) => Scene::with_staircase(terrain, canvas, staircase.clone()),
+        Lod::Exact => Scene::new(subject, canvas),
+        Lod::Paper(staircase) => Scene::with_staircase(subject, canvas, staircase.clone()),
     };
     let mut frames = Vec::with_capacity(path.views.len());
     let asked = options.criteria.view;
@@ -94,8 +94,8 @@ pub fn fly(
         };
         let criteria = Criteria { view: Some(criterion), ..options.criteria };
         let update = match options.mode {
-            FlightMode::Differences => scene.update(terrain, &criteria)?,
-            FlightMode::Rebuild => scene.rebuild(terrain, &criteria)?,
+            FlightMode::Differences => scene.update(subject, &criteria)?,
+            FlightMode::Rebuild => scene.rebuild(subject, &criteria)?,
         };
         let mut draw_ms = 0.0;
         let mut picture = None;

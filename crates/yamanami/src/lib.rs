@@ -3,9 +3,9 @@
 //! ```no_run
 //! use yamanami::{Terrain, Criteria, OpenOptions};
 //! # fn main() -> Result<(), yamanami::Error> {
-//! let terrain = Terrain::open(&["fuji.tif".into()], &OpenOptions::default(), &|_| ())?;
+//! let mut terrain = Terrain::open(&["fuji.tif".into()], &OpenOptions::default(), &|_| ())?;
 //! let criteria = Criteria { terrain_tolerance_m: 10.0, ..Criteria::default() };
-//! let extracted = yamanami::extract(&terrain, &criteria)?;
+//! let extracted = yamanami::extract(&mut terrain, &criteria)?;
 //! println!("{} triangles within 10 m of every sample", extracted.mesh.triangles.len());
 //! # Ok(()) }
 //! ```
@@ -21,10 +21,12 @@ mod field;
 mod flight;
 mod flight_report;
 mod hide;
+mod large;
 mod look;
 mod mizuno;
 mod mizuno_page;
 mod mizuno_sheet;
+mod model;
 mod model_picture;
 mod model_view;
 mod page;
@@ -33,6 +35,7 @@ mod polygon;
 mod reduce;
 mod reproduce;
 mod scene;
+mod subject;
 mod terrain;
 mod yama;
 
@@ -45,15 +48,18 @@ pub use extract::{Extracted, Frame, extract, to_frame};
 pub use flight::{FlightMode, FlightOptions, FrameStats, Lod, fly};
 pub use flight_report::{FlightSummary, summary, write_flight_plots};
 pub use hide::{Closing, SeenSide, close, seen_side};
+pub use large::{LargeOptions, LargeReport, LargeTarget, reduce_large};
 pub use look::{LookLimits, LookSame, Original, Probe, look_same, worst_of};
 pub use mizuno::{MizunoModel, mizuno};
-pub use model_picture::{MODEL_BACKGROUND, model_pixels, model_style};
+pub use model::{Model, ModelBuild, ModelStoreOptions, ModelStored};
+pub use model_picture::{MODEL_BACKGROUND, coloured_style, model_pixels, model_style};
 pub use model_view::{model_camera, model_views, turn_back_y_up, turn_y_up};
 pub use path::{CameraPath, orbit, read_path, valley_run, write_path};
 pub use reduce::{DisplayNeed, POLYGONS_PER_PIXEL, Reduced, ReducedBy, display_need, reduce};
 
 pub use reproduce::hashida;
 pub use scene::{Scene, Update};
+pub use subject::Subject;
 pub use terrain::{OpenOptions, Terrain};
 pub use yama::{StoreOptions, quantise};
 

@@ -13,7 +13,11 @@ const GREY: [u8; 3] = [196, 196, 196];
 /// How models are drawn: in the colours of their vertices, grey where they have none; the insides, which show through
 /// holes, are darker.
 pub fn model_style(mesh: &TriangleMesh) -> RenderOptions {
-    let has_colours = !mesh.colours.is_empty() && mesh.colours.len() == mesh.positions.len();
+    coloured_style(!mesh.colours.is_empty() && mesh.colours.len() == mesh.positions.len())
+}
+
+/// The same for a model that is not at hand as a mesh.
+pub fn coloured_style(has_colours: bool) -> RenderOptions {
     RenderOptions {
         colour: if has_colours { ColourBy::Vertex } else { ColourBy::Plain(GREY) },
         shading: Shading::Model,

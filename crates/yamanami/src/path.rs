@@ -1,11 +1,12 @@
 //! Camera paths: an orbit, a run along the valleys, or one recorded to a file.
 
 use crate::camera::FOV_Y_RAD;
-use crate::{Error, Terrain};
-use glam::DVec3;
+use crate::model_view::model_views;
+use crate::{Error, Subject, Terrain};
+use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
-use yamanami_core::View;
+use yamanami_core::{Aabb, View};
 
 /// A camera path: one view a frame.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -27,10 +28,14 @@ struct RecordedFrame {
     target: [f64; 3],
 }
 
-/// A full turn around the middle of the terrain.
-pub fn orbit(terrain: &Terrain, frames: usize, viewport_px: [u32; 2]) -> CameraPath {
-    let [east_m, north_m] = terrain.extent_m();
-    let [low, high] = terrain.range_m().map(f64::from);
+/// A full turn around the middle of a terrain, or around a model as near as it fits the picture from all sides.
+pub fn orbit(subject: &impl Subject, frames: usize, viewport_px: [u32; 2]) -> CameraPath {
+    let bounds = subject.bounds();
+    if subject.as_terrain().is_none() {
+        return around(bounds, frames, viewport_px);
+    }
+    let [east_m, north_m] = (bounds.max - bounds.min).truncate().to_array();
+    let [low, high] = [bounds.min.z, bounds.max.z];
     let centre = DVec3::new(0.5 * east_m, -0.5 * north_m, low + 0.3 * (high - low));
     let radius_m = 0.62 * east_m.max(north_m);
     let views = (0..frames)
@@ -38,6 +43,24 @@ pub fn orbit(terrain: &Terrain, frames: usize, viewport_px: [u32; 2]) -> CameraP
             let angle = std::f64::consts::TAU * (i as f64 / frames as f64 + 0.62);
             let around = DVec3::new(angle.cos(), angle.sin(), 0.0);
             let eye = centre + radius_m * around + DVec3::Z * (0.42 * radius_m + 0.4 * (high - low));
+            View { eye, target: centre, fov_y_rad: FOV_Y_RAD, viewport_px }
+        })
+        .collect();
+    CameraPath { views }
+}
+
+/// A full turn around a model at one distance: the largest at which a ring of views must stand to hold all of it. The
+/// eye comes near and goes away once a turn, so that the front has something to follow.
+fn around(bounds: Aabb, frames: usize, viewport_px: [u32; 2]) -> CameraPath {
+    let ring = model_views(&bounds.corners(), 4, viewport_px);
+    let centre = bounds.centre();
+    let farthest_m = ring.iter().map(|v| v.eye.distance(centre)).fold(0.0, f64::max);
+    let first = (ring[0].eye - centre).normalize();
+    let views = (0..frames)
+        .map(|i| {
+            let turn = std::f64::consts::TAU * i as f64 / frames as f64;
+            let towards_eye = DQuat::from_rotation_z(turn) * first;
+            let eye = centre + towards_eye * farthest_m * (0.7 + 0.3 * turn.cos());
             View { eye, target: centre, fov_y_rad: FOV_Y_RAD, viewport_px }
         })
         .collect();
@@ -125,7 +148,7 @@ pub fn valley_run(terrain: &Terrain, frames: usize, viewport_px: [u32; 2]) -> Re
 }
 
 /// Reads a recorded path.
-pub fn read_path(terrain: &Terrain, file: &Path, viewport_px: [u32; 2]) -> Result<CameraPath, Error> {
+pub fn read_path(subject: &impl Subject, file: &Path, viewport_px: [u32; 2]) -> Result<CameraPath, Error> {
     let text = std::fs::read_to_string(file).map_err(|source| Error::File { path: file.to_owned(), source })?;
     let recorded: Recorded = serde_json::from_str(&text).map_err(|e| {
         Error::Request(format!("{}: expected a camera path ({{\"fov_deg\": …, \"frames\": [{{\"eye\": [x, y, z], \"target\": [x, y, z]}}, …]}}): {e}", file.display()))
@@ -139,16 +162,13 @@ pub fn read_path(terrain: &Terrain, file: &Path, viewport_px: [u32; 2]) -> Resul
     }
     let fov = recorded.fov_deg.to_radians();
     let views =
-        recorded.frames.iter().map(|f| crate::view_between(terrain, f.eye, f.target, fov, viewport_px)).collect();
+        recorded.frames.iter().map(|f| crate::view_between(subject, f.eye, f.target, fov, viewport_px)).collect();
     Ok(CameraPath { views })
 }
 
 /// Writes a path for [`read_path`].
-pub fn write_path(terrain: &Terrain, path: &CameraPath, file: &Path) -> Result<(), Error> {
-    let source = |p: DVec3| {
-        let [x, y] = terrain.geo().source_from_local(p.x, p.y);
-        [x, y, p.z]
-    };
+pub fn write_path(subject: &impl Subject, path: &CameraPath, file: &Path) -> Result<(), Error> {
+    let source = |p: DVec3| subject.source_from_local(p).to_array();
     let recorded = Recorded {
         fov_deg: path.views.first().map_or(FOV_Y_RAD, |v| v.fov_y_rad).to_degrees(),
         frames: path.views.iter().map(|v| RecordedFrame { eye: source(v.eye), target: source(v.target) }).collect(),

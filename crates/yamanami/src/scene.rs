@@ -1,6 +1,6 @@
-//! A terrain on a canvas: the front follows the view, and the mesh follows the front.
+//! A terrain or a model on a canvas: the front follows the view, and the mesh follows the front.
 
-use crate::{Canvas, Controller, Criteria, Error, FrameReport, Lod, PaperController, Staircase, Step, Terrain, Upload};
+use crate::{Canvas, Controller, Criteria, Error, FrameReport, Lod, PaperController, Staircase, Step, Subject, Upload};
 use image::RgbaImage;
 use std::time::{Duration, Instant};
 use yamanami_core::{ActiveSet, Surface, View};
@@ -32,7 +32,7 @@ pub struct Update {
     pub pages: usize,
 }
 
-/// A terrain being shown.
+/// A terrain or a model being shown.
 #[derive(Debug)]
 pub struct Scene {
     control: Control,
@@ -43,33 +43,33 @@ pub struct Scene {
 
 impl Scene {
     /// Shows the base mesh; the exact controller moves the front.
-    pub fn new(terrain: &Terrain, canvas: Canvas) -> Self {
-        let control = Control::Exact(Box::new(Controller::new(terrain.surface())));
-        Self::start(terrain, canvas, control)
+    pub fn new(subject: &impl Subject, canvas: Canvas) -> Self {
+        let control = Control::Exact(Box::new(Controller::new(subject.surface())));
+        Self::start(subject, canvas, control)
     }
 
     /// Shows the base mesh; the paper's staircase moves the front.
-    pub fn with_staircase(terrain: &Terrain, canvas: Canvas, staircase: Staircase) -> Self {
-        let control = Control::Paper(Box::new(PaperController::new(terrain.surface(), staircase)));
-        Self::start(terrain, canvas, control)
+    pub fn with_staircase(subject: &impl Subject, canvas: Canvas, staircase: Staircase) -> Self {
+        let control = Control::Paper(Box::new(PaperController::new(subject.surface(), staircase)));
+        Self::start(subject, canvas, control)
     }
 
-    fn start(terrain: &Terrain, mut canvas: Canvas, control: Control) -> Self {
+    fn start(subject: &impl Subject, mut canvas: Canvas, control: Control) -> Self {
         canvas.clear();
-        terrain.surface().emit_base(canvas.sink());
+        subject.surface().emit_base(canvas.sink());
         Self { control, canvas, memory_bytes: 512 << 20 }
     }
 
     /// Goes back to the base mesh and goes on with this control, on the same canvas.
-    pub fn restart(&mut self, terrain: &Terrain, lod: &Lod) {
+    pub fn restart(&mut self, subject: &impl Subject, lod: &Lod) {
         self.control = match lod {
-            Lod::Exact => Control::Exact(Box::new(Controller::new(terrain.surface()))),
+            Lod::Exact => Control::Exact(Box::new(Controller::new(subject.surface()))),
             Lod::Paper(staircase) => {
-                Control::Paper(Box::new(PaperController::new(terrain.surface(), staircase.clone())))
+                Control::Paper(Box::new(PaperController::new(subject.surface(), staircase.clone())))
             }
         };
         self.canvas.clear();
-        terrain.surface().emit_base(self.canvas.sink());
+        subject.surface().emit_base(self.canvas.sink());
     }
 
     /// The paper's staircase as its feedback has moved it; `None` with the exact controller.
@@ -95,18 +95,18 @@ impl Scene {
 
     /// Moves the front to the criteria and the mesh with it, by differences. Absent pages are read, up to a number a frame,
     /// and the front goes on with them in the same update.
-    pub fn update(&mut self, terrain: &mut Terrain, criteria: &Criteria) -> Result<Update, Error> {
+    pub fn update(&mut self, subject: &mut impl Subject, criteria: &Criteria) -> Result<Update, Error> {
         let started = Instant::now();
-        let mut report = self.step(terrain, criteria);
+        let mut report = self.step(subject, criteria);
         let mut pages = 0;
         // a page's nodes open the way to finer pages
         while pages < PAGES_PER_FRAME {
-            let read = terrain.load(&report.wanted, PAGES_PER_FRAME - pages)?;
+            let read = subject.load(&report.wanted, PAGES_PER_FRAME - pages)?;
             if read == 0 {
                 break;
             }
             pages += read;
-            let next = self.step(terrain, criteria);
+            let next = self.step(subject, criteria);
             report = FrameReport {
                 refined: report.refined + next.refined,
                 coarsened: report.coarsened + next.coarsened,
@@ -119,7 +119,7 @@ impl Scene {
                 Control::Exact(c) => c.front(),
                 Control::Paper(c) => c.front(),
             };
-            terrain.shrink(self.memory_bytes, |node| front.is_active(node));
+            subject.shrink(self.memory_bytes, |node| front.is_active(node));
         }
         let update_time = started.elapsed();
         let started = Instant::now();
@@ -127,8 +127,8 @@ impl Scene {
         Ok(Update { report, update_time, upload_time: started.elapsed(), upload, pages })
     }
 
-    fn step(&mut self, terrain: &Terrain, criteria: &Criteria) -> FrameReport {
-        let surface = terrain.surface();
+    fn step(&mut self, subject: &impl Subject, criteria: &Criteria) -> FrameReport {
+        let surface = subject.surface();
         let sink = self.canvas.sink();
         let apply = |step: Step, front: &Front| match step {
             Step::Refine(node) => surface.refine(node, front, sink),
@@ -142,8 +142,8 @@ impl Scene {
 
     /// The same front as [`Self::update`], meshed and uploaded from nothing, as a program without differences would. Only
     /// that is timed: finding the front is not, which favours the rebuild in comparisons.
-    pub fn rebuild(&mut self, terrain: &Terrain, criteria: &Criteria) -> Result<Update, Error> {
-        let surface = terrain.surface();
+    pub fn rebuild(&mut self, subject: &impl Subject, criteria: &Criteria) -> Result<Update, Error> {
+        let surface = subject.surface();
         let report = match &mut self.control {
             Control::Exact(c) => c.update(surface, criteria, |_, _| ()),
             Control::Paper(c) => c.update(surface, criteria, |_, _| ()),

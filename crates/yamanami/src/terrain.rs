@@ -1,9 +1,11 @@
 //! An opened terrain: from elevation files, built in memory, or from a `.yama` database, read by pages.
 
-use crate::{Data, Error, yama};
+use crate::{Data, Error, Subject, yama};
+use glam::DVec3;
 use std::path::PathBuf;
 use std::sync::Arc;
-use yamanami_core::{GeoReference, HeightField, LatticeNode, NodeId, PageId};
+use yamanami_core::{Aabb, GeoReference, HeightField, LatticeNode, NodeId, PageId};
+use yamanami_gpu::RenderOptions;
 use yamanami_io::dem;
 use yamanami_io::store::TerrainStore;
 use yamanami_multires::wavelet::{BuildOptions, PagedData, TerrainData, TerrainSurface, build};
@@ -189,6 +191,66 @@ impl Terrain {
             }
             (Data::Paged(_), None) => Err(Error::Request("this terrain has lost its database".to_owned())),
         }
+    }
+}
+
+impl Subject for Terrain {
+    type Surface = TerrainSurface<Data>;
+
+    fn surface(&self) -> &Self::Surface {
+        &self.surface
+    }
+
+    fn title(&self) -> &str {
+        &self.title
+    }
+
+    fn bounds(&self) -> Aabb {
+        let ([east_m, north_m], [low, high]) = (self.extent_m(), self.range_m.map(f64::from));
+        Aabb { min: DVec3::new(0.0, -north_m, low), max: DVec3::new(east_m, 0.0, high) }
+    }
+
+    fn full_triangles(&self) -> u64 {
+        let [columns, rows] = self.size.map(|n| n as u64);
+        2 * (columns - 1) * (rows - 1)
+    }
+
+    fn deepest_level(&self) -> u32 {
+        self.surface.numbers().lattice().levels()
+    }
+
+    fn usual_style(&self) -> RenderOptions {
+        RenderOptions {
+            tint_range_m: Some(self.range_m.map(f64::from)),
+            deepest_level: self.deepest_level(),
+            ..RenderOptions::default()
+        }
+    }
+
+    fn is_paged(&self) -> bool {
+        self.store.is_some()
+    }
+
+    fn load(&mut self, wanted: &[NodeId], max_pages: usize) -> Result<usize, Error> {
+        Self::load(self, wanted, max_pages)
+    }
+
+    fn shrink(&mut self, max_bytes: usize, in_use: impl Fn(NodeId) -> bool) {
+        Self::shrink(self, max_bytes, in_use);
+    }
+
+    fn local_from_source(&self, place: DVec3) -> DVec3 {
+        let [x, y] = self.geo().local_from_source(place.x, place.y);
+        DVec3::new(x, y, place.z)
+    }
+
+    fn source_from_local(&self, place: DVec3) -> DVec3 {
+        let [x, y] = self.geo().source_from_local(place.x, place.y);
+        DVec3::new(x, y, place.z)
+    }
+
+    fn as_terrain(&self) -> Option<&Terrain> {
+        Some(self)
     }
 }
 

@@ -38,10 +38,10 @@ fn heights_come_back_to_the_bit() {
 #[test]
 fn the_same_mesh_is_extracted_from_a_database_with_exact_errors() {
     for t in terrains() {
-        let (grid, paged, _folder) = stored(&t, &exact());
+        let (mut grid, mut paged, _folder) = stored(&t, &exact());
         for tolerance_m in [2.0, 25.0] {
             let criteria = Criteria { terrain_tolerance_m: tolerance_m, ..Criteria::default() };
-            let (a, b) = (extract(&grid, &criteria).unwrap(), extract(&paged, &criteria).unwrap());
+            let (a, b) = (extract(&mut grid, &criteria).unwrap(), extract(&mut paged, &criteria).unwrap());
             assert_eq!(a.mesh, b.mesh, "{:?} at {tolerance_m} m", grid.size());
         }
     }

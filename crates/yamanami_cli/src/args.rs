@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use yamanami::core::{Crs, TriangleMesh, View};
 use yamanami::gpu::Gpu;
 use yamanami::io::dem;
-use yamanami::{Criteria, DrawWith, Lod, OpenOptions, Staircase, Terrain, ViewCriterion, turn_back_y_up, turn_y_up};
+use yamanami::{Criteria, DrawWith, Lod, OpenOptions, Staircase, Subject, ViewCriterion, turn_back_y_up, turn_y_up};
 
 /// How to read sources that do not say all about themselves.
 #[derive(Debug, Clone, Default, Args)]
@@ -39,10 +39,10 @@ impl ReadingArgs {
     }
 }
 
-/// The terrain a command works on.
+/// What a command works on.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct SourceArgs {
-    /// A .yama database, or elevation files and tile folders that make one mosaic
+    /// A .yama database, a mesh file, or elevation files and tile folders that make one mosaic
     #[arg(required = true, value_name = "SOURCE")]
     pub(crate) sources: Vec<PathBuf>,
     #[command(flatten)]
@@ -156,12 +156,12 @@ pub(crate) struct LensArgs {
     pub(crate) no_cull: bool,
 }
 
-/// The view asked for: from eye to target, or of the whole terrain.
-pub(crate) fn view(eye: &EyeArgs, lens: &LensArgs, terrain: &Terrain, usual_size: [u32; 2]) -> View {
+/// The view asked for: from eye to target, or of the whole.
+pub(crate) fn view(eye: &EyeArgs, lens: &LensArgs, subject: &impl Subject, usual_size: [u32; 2]) -> View {
     let size = lens.size.unwrap_or(usual_size);
-    let mut view = yamanami::overview(terrain, size);
+    let mut view = yamanami::overview(subject, size);
     if let (Some(eye), Some(target)) = (eye.eye, eye.target) {
-        view = yamanami::view_between(terrain, eye, target, view.fov_y_rad, size);
+        view = yamanami::view_between(subject, eye, target, view.fov_y_rad, size);
     }
     view.fov_y_rad = lens.fov.unwrap_or(view.fov_y_rad);
     view
@@ -228,15 +228,14 @@ pub(crate) struct ControlArgs {
 }
 
 impl ControlArgs {
-    /// The control itself; the staircase reaches over most of the terrain's diagonal.
-    pub(crate) fn lod(&self, terrain: &Terrain, tolerance_m: Option<f32>) -> Lod {
+    /// The control itself; the staircase reaches over most of the diagonal.
+    pub(crate) fn lod(&self, subject: &impl Subject, tolerance_m: Option<f32>) -> Lod {
         match self.lod {
             LodName::Exact => Lod::Exact,
             LodName::Paper => {
-                let [east_m, north_m] = terrain.extent_m();
-                let [low, high] = terrain.range_m();
-                let tolerance_m = tolerance_m.unwrap_or((high - low) / 400.0);
-                Lod::Paper(Staircase::new(tolerance_m, 0.0, 0.8 * east_m.hypot(north_m), self.intervals))
+                let size_m = subject.bounds().max - subject.bounds().min;
+                let tolerance_m = tolerance_m.unwrap_or(size_m.z as f32 / 400.0);
+                Lod::Paper(Staircase::new(tolerance_m, 0.0, 0.8 * size_m.truncate().length(), self.intervals))
             }
         }
     }

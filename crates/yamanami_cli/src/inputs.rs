@@ -4,13 +4,44 @@ use crate::args::{ReadingArgs, SourceArgs};
 use crate::failure::Failure;
 use crate::progress::Bar;
 use std::path::{Path, PathBuf};
-use yamanami::Terrain;
-use yamanami::core::HeightField;
-use yamanami::io::{IoError, dem};
+use yamanami::core::{HeightField, TriangleMesh};
+use yamanami::io::{IoError, dem, mesh_file, store::ClusterStore};
+use yamanami::{Criteria, Model, Terrain};
 
-/// Opens the terrain of a command.
-pub(crate) fn terrain(source: &SourceArgs) -> Result<Terrain, Failure> {
-    open(&source.sources, &source.reading)
+/// What a command works on.
+#[derive(Debug)]
+pub(crate) enum Opened {
+    Terrain(Box<Terrain>),
+    Model(Box<Model>),
+}
+
+/// Opens what a command works on: a terrain, or a model where its one source is a mesh file or a model's database.
+pub(crate) fn subject(source: &SourceArgs) -> Result<Opened, Failure> {
+    if let [path] = source.sources.as_slice()
+        && is_model(path)?
+    {
+        let bar = Bar::shares("opening");
+        return Ok(Opened::Model(Box::new(Model::open(path, &|share| bar.set_share(share))?)));
+    }
+    Ok(Opened::Terrain(Box::new(open(&source.sources, &source.reading)?)))
+}
+
+/// Whether a file is a mesh or a model's database.
+pub(crate) fn is_model(path: &Path) -> Result<bool, Failure> {
+    Ok(is_mesh(path) || (is_yama(path) && ClusterStore::is_model(path)?))
+}
+
+/// A mesh file as it is, or the finest mesh of a model's database.
+pub(crate) fn mesh(path: &Path) -> Result<TriangleMesh, Failure> {
+    if is_mesh(path) {
+        return Ok(mesh_file::read_mesh(path)?);
+    }
+    Ok(yamanami::extract(&mut Model::open(path, &|_| ())?, &Criteria::default())?.mesh)
+}
+
+/// Whether a file's name is that of a mesh.
+pub(crate) fn is_mesh(path: &Path) -> bool {
+    mesh_file::is_mesh_name(path)
 }
 
 /// Opens a database, or builds elevation files in memory.

@@ -11,7 +11,7 @@ use std::sync::Arc;
 use yamanami::core::TriangleMesh;
 use yamanami::gpu::{ColourBy, Drape, RenderOptions, Wireframe};
 use yamanami::io::IoError;
-use yamanami::{Error, Terrain, model_style};
+use yamanami::{Error, Subject, Terrain, model_style};
 
 /// Endings of picture files.
 pub(crate) const PICTURE_ENDINGS: [&str; 3] = ["png", "jpg", "jpeg"];
@@ -20,10 +20,9 @@ pub(crate) const PICTURE_ENDINGS: [&str; 3] = ["png", "jpg", "jpeg"];
 const GREY: [u8; 3] = [206, 206, 202];
 
 /// What gives the surface its colour.
-#[derive(Debug, Clone, Copy, Default, ValueEnum)]
+#[derive(Debug, Clone, Copy, ValueEnum)]
 enum Colour {
     /// Hypsometric tint
-    #[default]
     Height,
     /// Level of the vertices: dark is coarse, light is fine
     Level,
@@ -53,40 +52,38 @@ pub(crate) struct StyleArgs {
     one_sample: bool,
 }
 
-/// The usual relief of a terrain; colours keep still from picture to picture.
-pub(crate) fn relief(terrain: &Terrain) -> RenderOptions {
-    RenderOptions {
-        tint_range_m: Some(terrain.range_m().map(f64::from)),
-        deepest_level: terrain.surface().numbers().lattice().levels(),
-        ..RenderOptions::default()
-    }
-}
-
 impl StyleArgs {
-    pub(crate) fn options(&self, terrain: &Terrain) -> Result<RenderOptions, Failure> {
-        let mut options = relief(terrain);
-        options.colour = match self.colour.unwrap_or_default() {
-            Colour::Height => ColourBy::Height,
-            Colour::Level => ColourBy::Level,
-            Colour::Plain => ColourBy::Plain(GREY),
-        };
+    pub(crate) fn options(&self, subject: &impl Subject) -> Result<RenderOptions, Failure> {
+        let Some(terrain) = subject.as_terrain() else { return self.over(subject.usual_style()) };
+        let mut options = self.coloured(subject.usual_style());
         if let Some(file) = &self.image {
             options.colour = ColourBy::Drape;
             options.drape = Some(Arc::new(drape(terrain, file)?));
         }
-        Ok(self.common(options))
+        Ok(options)
     }
 
-    /// The style of a model; tints of height and images are for terrain.
+    /// The style of a mesh drawn as it is.
     pub(crate) fn model_options(&self, mesh: &TriangleMesh) -> Result<RenderOptions, Failure> {
+        self.over(model_style(mesh))
+    }
+
+    /// The style of a model that is usually drawn so; images are for terrain.
+    fn over(&self, usual: RenderOptions) -> Result<RenderOptions, Failure> {
         if self.image.is_some() {
             return Err(Failure::misuse("--image is laid over terrain; a mesh shows the colours of its file"));
         }
-        let mut options = model_style(mesh);
-        if let Some(Colour::Plain) = self.colour {
-            options.colour = ColourBy::Plain(GREY);
-        }
-        Ok(self.common(options))
+        Ok(self.coloured(usual))
+    }
+
+    fn coloured(&self, usual: RenderOptions) -> RenderOptions {
+        let colour = match self.colour {
+            None => usual.colour,
+            Some(Colour::Height) => ColourBy::Height,
+            Some(Colour::Level) => ColourBy::Level,
+            Some(Colour::Plain) => ColourBy::Plain(GREY),
+        };
+        self.common(RenderOptions { colour, ..usual })
     }
 
     fn common(&self, options: RenderOptions) -> RenderOptions {

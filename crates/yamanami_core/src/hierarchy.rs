@@ -135,6 +135,14 @@ pub trait Surface: Hierarchy {
     /// Emits what changes when `node`, in `active` without any active child, is undone. `active` still has `node`.
     fn coarsen(&self, node: NodeId, active: &dyn ActiveSet, sink: &mut dyn Sink);
 
+    /// Emits a whole front into an empty sink, each vertex and triangle once: what the steps from the base lead to.
+    fn emit_front(&self, active: &dyn ActiveSet, sink: &mut dyn Sink) {
+        self.emit_base(sink);
+        for node in (0..self.node_bound()).filter(|&n| self.exists(n) && active.is_active(n)) {
+            self.refine(node, &|n| n < node && active.is_active(n), sink);
+        }
+    }
+
     /// The mesh of a parent-closed set, built at once: the slow, short twin of the sink's way there.
     fn mesh_of(&self, active: &dyn ActiveSet) -> TriangleMesh;
 }

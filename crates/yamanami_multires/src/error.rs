@@ -32,4 +32,46 @@ pub enum MultiresError {
         /// Its row.
         row: usize,
     },
+    /// Nodes, clusters or pages of a cluster hierarchy that do not fit together.
+    #[error("{}: {what}: expected {expected}, given {given}", group_name(*group))]
+    BadClusters {
+        /// The node, or [`yamanami_core::BASE_CLUSTERS`].
+        group: u32,
+        /// What was counted or named.
+        what: &'static str,
+        /// The number expected.
+        expected: u64,
+        /// The number found.
+        given: u64,
+    },
+    /// A mesh without a triangle that has three corners.
+    #[error("nothing to build: of {triangles} triangles, none has three different corners")]
+    NoTriangles {
+        /// Triangles given.
+        triangles: usize,
+    },
+    /// A triangle names a vertex that is not there, or one that is nowhere.
+    #[error("triangle {triangle} names vertex {vertex}: expected one of {vertices} with finite coordinates")]
+    BadCorner {
+        /// The triangle.
+        triangle: usize,
+        /// The vertex it names.
+        vertex: u32,
+        /// Vertices of the mesh.
+        vertices: usize,
+    },
+    /// The numbers of clusters, vertices and triangles must fit in 32 bits, those of the base mesh's clusters in 16.
+    #[error("the mesh is too large for a cluster hierarchy: {count} {what}, at most {most} can be numbered")]
+    TooManyClusters {
+        /// What was counted.
+        what: &'static str,
+        /// How many.
+        count: u64,
+        /// How many there may be.
+        most: u64,
+    },
+}
+
+fn group_name(group: u32) -> String {
+    if group == yamanami_core::BASE_CLUSTERS { "the base mesh".into() } else { format!("node {group}") }
 }

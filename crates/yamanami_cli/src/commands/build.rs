@@ -1,5 +1,6 @@
-//! `build`: elevation files to a surface database.
+//! `build`: elevation files or a mesh to a surface database.
 
+use super::build_model;
 use crate::args::SourceArgs;
 use crate::failure::Failure;
 use crate::progress::{Bar, note};
@@ -11,7 +12,7 @@ use std::time::Instant;
 use yamanami::io::dem;
 use yamanami::{StoreOptions, Terrain};
 
-/// Make a surface database (.yama) from elevation files
+/// Make a surface database (.yama) from elevation files or a mesh
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -19,6 +20,7 @@ Examples:
   yamanami build N4?E001.hgt.zip -o pyrenees.yama    several files, one mosaic
   yamanami build lidar.tif -o lidar.yama --max-error 0.05
                                                      heights within 5 cm: a much smaller file
+  yamanami build scan.ply -o scan.yama               a model at every level of detail
 
 The database appears whole or not at all; an old one stays until then.")]
 pub(crate) struct BuildArgs {
@@ -26,21 +28,30 @@ pub(crate) struct BuildArgs {
     source: SourceArgs,
     /// The database to write
     #[arg(short, long, value_name = "S.yama", help_heading = "Results")]
-    output: PathBuf,
-    /// Stored heights may be off by so many metres; 0 is lossless
-    #[arg(long, value_name = "M", default_value_t = 0.0, value_parser = values::not_negative, help_heading = "Results")]
-    max_error: f64,
+    pub(super) output: PathBuf,
+    /// Stored heights, or vertices, may be off by so many metres. Else heights are kept exactly, and vertices within
+    /// 1/70 of a usual edge of the mesh
+    #[arg(long, value_name = "M", value_parser = values::not_negative, help_heading = "Results")]
+    pub(super) max_error: Option<f64>,
     /// Print JSON
     #[arg(long, help_heading = "Results")]
-    json: bool,
+    pub(super) json: bool,
 }
 
 pub(crate) fn run(args: &BuildArgs) -> Result<(), Failure> {
     let sources = &args.source.sources;
     inputs::check_output(&args.output, &["yama"], sources)?;
     if sources.iter().any(|s| inputs::is_yama(s)) {
-        return Err(Failure::failed("a .yama is a database already: build takes elevation files"));
+        return Err(Failure::failed("a .yama is a database already: build takes elevation files or a mesh"));
     }
+    match sources.as_slice() {
+        [mesh] if inputs::is_mesh(mesh) => return build_model::run(args, mesh),
+        several if several.iter().any(|s| inputs::is_mesh(s)) => {
+            return Err(Failure::misuse("a mesh stands alone: give it as the only input"));
+        }
+        _ => {}
+    }
+    let max_error_m = args.max_error.unwrap_or(0.0);
     let started = Instant::now();
     let field = {
         let _bar = Bar::spinner("reading");
@@ -48,9 +59,9 @@ pub(crate) fn run(args: &BuildArgs) -> Result<(), Failure> {
     };
     let read_s = started.elapsed().as_secs_f64();
     let no_data = field.no_data_count();
-    let (field, rounded) = if args.max_error > 0.0 {
-        let (field, quantum) = yamanami::quantise(field, args.max_error);
-        (field, Some((args.max_error, quantum)))
+    let (field, rounded) = if max_error_m > 0.0 {
+        let (field, quantum) = yamanami::quantise(field, max_error_m);
+        (field, Some((max_error_m, quantum)))
     } else {
         (field, None)
     };
@@ -81,7 +92,7 @@ pub(crate) fn run(args: &BuildArgs) -> Result<(), Failure> {
             "samples": samples,
             "no_data_samples": no_data,
             "levels": terrain.surface().numbers().lattice().levels() + 1,
-            "max_error_m": args.max_error,
+            "max_error_m": max_error_m,
             "bytes": bytes,
             "bytes_per_sample": bytes as f64 / samples as f64,
             "source_bytes": source_bytes,
@@ -100,8 +111,7 @@ pub(crate) fn run(args: &BuildArgs) -> Result<(), Failure> {
             text::bytes(source_bytes)
         ),
     )?;
-    let kept =
-        if args.max_error > 0.0 { format!("within {} m", text::number(args.max_error)) } else { "exactly".to_owned() };
+    let kept = if max_error_m > 0.0 { format!("within {} m", text::number(max_error_m)) } else { "exactly".to_owned() };
     out::row("heights", format_args!("kept {kept}, {} without data", text::count(no_data as u64)))?;
     out::row(
         "time",

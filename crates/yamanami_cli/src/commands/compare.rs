@@ -11,7 +11,7 @@ use glam::DVec3;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use yamanami::core::{HeightField, TriangleMesh};
-use yamanami::io::{dem, mesh_file};
+use yamanami::io::dem;
 use yamanami::measure::{FLIP_PIXELS_PER_DEGREE, flip, mean_abs_difference, ssim, surface_distance};
 
 /// Measure how far two terrains, meshes or pictures are apart
@@ -20,6 +20,7 @@ use yamanami::measure::{FLIP_PIXELS_PER_DEGREE, flip, mean_abs_difference, ssim,
 Examples:
   yamanami compare dem.tif dem.glb        vertical error at every sample, and whether the mesh has cracks
   yamanami compare a.ply b.ply            distance both ways: RMS and Hausdorff
+  yamanami compare scan.ply scan.yama     the same, of the finest mesh in a model's database
   yamanami compare dem.tif dem.yama       differences sample by sample
   yamanami compare a.png b.png            SSIM, FLIP and mean difference")]
 pub(crate) struct CompareArgs {
@@ -50,11 +51,10 @@ enum MeshFrame {
 }
 
 pub(crate) fn run(args: &CompareArgs) -> Result<(), Failure> {
-    let is_mesh = |p: &Path| mesh_file::is_mesh_name(p);
     let is_picture = |p: &Path| {
         p.extension().is_some_and(|e| PICTURE_ENDINGS.contains(&e.to_string_lossy().to_lowercase().as_str()))
     };
-    match (is_mesh(&args.a), is_mesh(&args.b)) {
+    match (inputs::is_model(&args.a)?, inputs::is_model(&args.b)?) {
         (true, true) => meshes(args),
         (false, true) => terrain_and_mesh(args, &args.a, &args.b),
         (true, false) => terrain_and_mesh(args, &args.b, &args.a),
@@ -87,7 +87,7 @@ fn compare_pictures(args: &CompareArgs) -> Result<(), Failure> {
 }
 
 fn meshes(args: &CompareArgs) -> Result<(), Failure> {
-    let (a, b) = (mesh_file::read_mesh(&args.a)?, mesh_file::read_mesh(&args.b)?);
+    let (a, b) = (inputs::mesh(&args.a)?, inputs::mesh(&args.b)?);
     for (path, mesh) in [(&args.a, &a), (&args.b, &b)] {
         if mesh.triangles.is_empty() {
             return Err(Failure::failed(format!("{}: has no triangles", path.display())));
@@ -142,7 +142,7 @@ fn heights(path: &Path, args: &CompareArgs) -> Result<HeightField, Failure> {
 
 fn terrain_and_mesh(args: &CompareArgs, terrain: &Path, mesh: &Path) -> Result<(), Failure> {
     let field = heights(terrain, args)?;
-    let mut mesh = mesh_file::read_mesh(mesh)?;
+    let mut mesh = inputs::mesh(mesh)?;
     let frame = args.frame.unwrap_or_else(|| likely_frame(&field, &mesh));
     if frame == MeshFrame::Source {
         for p in &mut mesh.positions {

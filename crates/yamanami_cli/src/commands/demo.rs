@@ -13,7 +13,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 use yamanami::gpu::{RenderOptions, Wireframe};
 use yamanami::io::dem;
-use yamanami::{Criteria, FlightMode, FlightOptions, Lod, StoreOptions, Terrain, ViewCriterion};
+use yamanami::{Criteria, FlightMode, FlightOptions, Lod, StoreOptions, Subject, Terrain, ViewCriterion};
 
 const SAN_GABRIEL: &[u8] = include_bytes!("../../data/bigtujunga_srtm1_30m.tif");
 const MOUNT_WASHINGTON: &[u8] = include_bytes!("../../data/mt_washington_50m.tif");
@@ -82,7 +82,7 @@ pub(crate) fn run(args: &DemoArgs) -> Result<(), Failure> {
     let view = yamanami::view_between(&terrain, EYE, TARGET, 38f64.to_radians(), [1600, 900]);
     let criteria =
         Criteria { view: Some(ViewCriterion { view, tolerance_px: 0.5, cull: true }), ..Criteria::default() };
-    let mut style = pictures::relief(&terrain);
+    let mut style = terrain.usual_style();
     style.light.strength = 2.0;
     style.light.sun_altitude_rad = 0.65;
     let relief = render::picture(&mut terrain, &criteria, &view, &style, with)?;
@@ -93,7 +93,7 @@ pub(crate) fn run(args: &DemoArgs) -> Result<(), Failure> {
     pictures::write(&at("wireframe.png"), wireframe.picture)?;
     drop(bar);
 
-    let path = PathArgs { path: "valley".to_owned(), frames: Some(FRAMES), speed: Some(SPEED_M) };
+    let path = PathArgs { path: Some("valley".to_owned()), frames: Some(FRAMES), speed: Some(SPEED_M) };
     let path = path.views(&terrain, [1280, 720])?;
     let criteria = Criteria {
         view: path.views.first().map(|&view| ViewCriterion { view, tolerance_px: SEEN_PX, cull: true }),
@@ -102,7 +102,7 @@ pub(crate) fn run(args: &DemoArgs) -> Result<(), Failure> {
     };
     let options =
         FlightOptions { criteria, lod: Lod::Exact, mode: FlightMode::Differences, draw: true, style, morph: true };
-    fly::warm_up(&terrain, &options)?;
+    fly::warm_up(&mut terrain, &options)?;
     let flown = fly::fly(&mut terrain, &path, &options, with, Some((&args.output, 3)))?;
     let comparison = fly::compare(&mut terrain, &path, &options, with)?;
     let result = json!({

@@ -1,16 +1,19 @@
 //! `extract`: the front for a tolerance, a view or a budget as a mesh file.
 
 use super::check::Check;
+use super::check_model::ModelCheck;
 use crate::args::{self, EyeArgs, FinenessArgs, LensArgs, SourceArgs};
 use crate::failure::Failure;
+use crate::inputs::Opened;
 use crate::progress::{Bar, note};
 use crate::{inputs, out, text};
 use clap::{Args, ValueEnum};
-use serde_json::json;
+use serde_json::{Value, json};
 use std::path::PathBuf;
 use std::time::Instant;
+use yamanami::core::TriangleMesh;
 use yamanami::io::mesh_file::{MeshMeta, write_mesh};
-use yamanami::{Extracted, Frame, LimitedBy, Terrain, to_frame};
+use yamanami::{Extracted, Frame, LimitedBy, Subject, Terrain, to_frame};
 
 /// Extract a mesh: within a tolerance, for a view, or of so many triangles
 #[derive(Debug, Args)]
@@ -21,13 +24,14 @@ Examples:
   yamanami extract dem.yama --budget 50000 -o dem.obj         the least error of 50,000 triangles
   yamanami extract dem.yama --eye 138.6,35.2,6000 --target 138.73,35.36,3000 -o view.stl
                                                 as fine as this view asks, coarse outside it
+  yamanami extract scan.yama --tolerance 0.001 -o scan.ply    a model, within 1 mm of the scan
 
 Without --eye, --tolerance-px is for a view of the whole. Several limits hold together; the output
 says which one bound.")]
 pub(crate) struct ExtractArgs {
     #[command(flatten)]
     source: SourceArgs,
-    /// The mesh to write: .glb, .ply, .obj or .stl
+    /// The mesh to write: .glb, .ply, .obj, .stl or .off
     #[arg(short, long, value_name = "FILE", help_heading = "Results")]
     output: PathBuf,
     #[command(flatten)]
@@ -37,10 +41,10 @@ pub(crate) struct ExtractArgs {
     #[command(flatten)]
     lens: LensArgs,
     /// Coordinates of the file: those of the source CRS, or metres east and north of the first sample. Default: source
-    /// when that is projected or absent, else local
+    /// when that is projected or absent, else local. A model always keeps its own
     #[arg(long, value_enum, help_heading = "Results")]
     frame: Option<FrameName>,
-    /// Measure the true error at every sample and look for cracks; a broken promise is a failure
+    /// Measure the true error at every sample (of a model: of many) and look for cracks; a broken promise is a failure
     #[arg(long, help_heading = "Results")]
     check: bool,
     /// Print JSON
@@ -58,43 +62,84 @@ enum FrameName {
 }
 
 pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
-    inputs::check_output(&args.output, &["glb", "ply", "obj", "stl"], &args.source.sources)?;
+    inputs::check_output(&args.output, &["glb", "ply", "obj", "stl", "off"], &args.source.sources)?;
     if !args.fineness.is_given() && args.eye.eye.is_none() {
         return Err(Failure::misuse(
             "how fine? give --tolerance M, --tolerance-px P, --budget N or a view (--tolerance 0 gives every sample)",
         ));
     }
-    let terrain = inputs::terrain(&args.source)?;
-    let frame = match args.frame {
-        Some(FrameName::Source) => Frame::Source,
-        Some(FrameName::Local) => Frame::Local,
-        // degrees, and metres that are not metres on the ground, are no axes for a solid
-        None if terrain.geo().crs.geographic || terrain.geo().crs.web_mercator => Frame::Local,
-        None => Frame::Source,
-    };
+    match inputs::subject(&args.source)? {
+        Opened::Terrain(mut terrain) => {
+            let frame = match args.frame {
+                Some(FrameName::Source) => Frame::Source,
+                Some(FrameName::Local) => Frame::Local,
+                // degrees, and metres that are not metres on the ground, are no axes for a solid
+                None if terrain.geo().crs.geographic || terrain.geo().crs.web_mercator => Frame::Local,
+                None => Frame::Source,
+            };
+            from(args, &mut *terrain, frame, |terrain, mesh| {
+                let field = inputs::field(terrain, &args.source)?;
+                let _bar = Bar::spinner("checking");
+                Ok(Checked::Terrain(Check::new(&field, mesh)))
+            })
+        }
+        Opened::Model(mut model) => {
+            from(args, &mut *model, Frame::Source, |model, mesh| Ok(Checked::Model(ModelCheck::new(model, mesh)?)))
+        }
+    }
+}
+
+/// What a check found.
+enum Checked {
+    Terrain(Check),
+    Model(ModelCheck),
+}
+
+impl Checked {
+    fn to_json(&self) -> Value {
+        match self {
+            Self::Terrain(check) => check.to_json(),
+            Self::Model(check) => check.to_json(),
+        }
+    }
+
+    fn print(&self) -> Result<(), Failure> {
+        match self {
+            Self::Terrain(check) => check.print(),
+            Self::Model(check) => check.print(),
+        }
+    }
+
+    fn verdict(&self, promised_m: Option<f64>) -> Result<(), Failure> {
+        match self {
+            Self::Terrain(check) => verdict(check, promised_m),
+            Self::Model(check) => check.verdict(promised_m),
+        }
+    }
+}
+
+fn from<S: Subject>(
+    args: &ExtractArgs,
+    subject: &mut S,
+    frame: Frame,
+    check: impl FnOnce(&mut S, &TriangleMesh) -> Result<Checked, Failure>,
+) -> Result<(), Failure> {
     let viewed = args.eye.eye.is_some() || args.fineness.tolerance_px.is_some();
-    let view = viewed.then(|| args::view(&args.eye, &args.lens, &terrain, [1920, 1080]));
+    let view = viewed.then(|| args::view(&args.eye, &args.lens, subject, [1920, 1080]));
     let criteria = args.fineness.criteria(view, !args.lens.no_cull, 1.0);
     let started = Instant::now();
     let Extracted { mesh, error_left, limited_by } = {
         let _bar = Bar::spinner("extracting");
-        yamanami::extract(&terrain, &criteria)?
+        yamanami::extract(subject, &criteria)?
     };
     let extract_ms = started.elapsed().as_secs_f64() * 1e3;
-    let check = match args.check {
-        true => {
-            let field = inputs::field(&terrain, &args.source)?;
-            let _bar = Bar::spinner("checking");
-            Some(Check::new(&field, &mesh))
-        }
-        false => None,
-    };
+    let check = if args.check { Some(check(subject, &mesh)?) } else { None };
     let (triangles, vertices) = (mesh.triangles.len(), mesh.positions.len());
-    let mesh = to_frame(&terrain, mesh, frame);
+    let mesh = to_frame(subject, mesh, frame);
     let unit = if viewed { "px" } else { "m" };
     {
         let _bar = Bar::spinner("writing");
-        write_mesh(&args.output, &mesh, &meta(&terrain, frame, error_left, unit))?;
+        write_mesh(&args.output, &mesh, &meta(subject, frame, error_left, unit))?;
     }
     let bytes = inputs::file_bytes(&args.output)?;
     let limit = match limited_by {
@@ -103,7 +148,7 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
         LimitedBy::Residency => "residency",
         LimitedBy::Steps => "steps",
     };
-    let full = 2 * (terrain.size()[0] - 1) * (terrain.size()[1] - 1);
+    let full = subject.full_triangles();
     if args.json {
         let mut result = json!({
             "output": args.output,
@@ -122,13 +167,13 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
         out::json(&result)?;
     } else {
         out::row("mesh file", format_args!("{}, {}", args.output.display(), text::bytes(bytes)))?;
-        out::row("coordinates", frame_text(&terrain, frame))?;
+        out::row("coordinates", frame_text(subject, frame))?;
         out::row(
             "triangles",
             format_args!(
                 "{} of {} ({} %), {} vertices",
                 text::count(triangles as u64),
-                text::count(full as u64),
+                text::count(full),
                 text::number(100.0 * triangles as f64 / full as f64),
                 text::count(vertices as u64)
             ),
@@ -145,7 +190,7 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
             check.print()?;
         }
     }
-    check.map_or(Ok(()), |check| verdict(&check, (!viewed).then_some(f64::from(error_left))))
+    check.map_or(Ok(()), |check| check.verdict((!viewed).then_some(f64::from(error_left))))
 }
 
 /// A check that finds a broken promise is a failure.
@@ -168,16 +213,17 @@ fn verdict(check: &Check, promised_m: Option<f64>) -> Result<(), Failure> {
     Ok(())
 }
 
-fn meta(terrain: &Terrain, frame: Frame, error_left: f32, unit: &str) -> MeshMeta {
+fn meta(subject: &impl Subject, frame: Frame, error_left: f32, unit: &str) -> MeshMeta {
+    let terrain = subject.as_terrain().filter(|_| frame == Frame::Source);
     MeshMeta {
-        title: terrain.title().to_owned(),
-        crs: if frame == Frame::Source { text::crs(&terrain.geo().crs) } else { String::new() },
-        note: format!("{}; error at most {error_left} {unit}; yamanami", frame_text(terrain, frame)),
+        title: subject.title().to_owned(),
+        crs: terrain.map_or_else(String::new, |t| text::crs(&t.geo().crs)),
+        note: format!("{}; error at most {error_left} {unit}; yamanami", frame_text(subject, frame)),
     }
 }
 
-fn frame_text(terrain: &Terrain, frame: Frame) -> String {
-    let geo = terrain.geo();
+fn frame_text(subject: &impl Subject, frame: Frame) -> String {
+    let Some(geo) = subject.as_terrain().map(Terrain::geo) else { return "the model's own".to_owned() };
     match frame {
         Frame::Source => format!("source CRS, {}", text::crs(&geo.crs)),
         Frame::Local => format!(

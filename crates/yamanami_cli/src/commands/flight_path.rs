@@ -5,15 +5,15 @@ use crate::values;
 use clap::Args;
 use std::path::Path;
 use yamanami::core::View;
-use yamanami::{CameraPath, Terrain, orbit, read_path, valley_run};
+use yamanami::{CameraPath, Subject, orbit, read_path, valley_run};
 
 /// The camera path.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Path")]
 pub(crate) struct PathArgs {
-    /// orbit, valley or a recorded path (.json)
-    #[arg(long, value_name = "PATH", default_value = "valley")]
-    pub(crate) path: String,
+    /// orbit, valley or a recorded path (.json); else along the valleys of a terrain, and around a model
+    #[arg(long, value_name = "PATH")]
+    pub(crate) path: Option<String>,
     /// Frames; a recorded path has its own number
     #[arg(long, value_name = "N", value_parser = values::frames)]
     pub(crate) frames: Option<usize>,
@@ -30,14 +30,24 @@ const DENSE_VIEWS: usize = 4096;
 const MOST_FRAMES: f64 = 100_000.0;
 
 impl PathArgs {
+    /// The path's name.
+    pub(crate) fn name(&self, subject: &impl Subject) -> &str {
+        let usual = if subject.as_terrain().is_some() { "valley" } else { "orbit" };
+        self.path.as_deref().unwrap_or(usual)
+    }
+
     /// The views of the flight.
-    pub(crate) fn views(&self, terrain: &Terrain, viewport_px: [u32; 2]) -> Result<CameraPath, Failure> {
+    pub(crate) fn views(&self, subject: &impl Subject, viewport_px: [u32; 2]) -> Result<CameraPath, Failure> {
         let views = if self.speed.is_some() { DENSE_VIEWS } else { self.frames.unwrap_or(USUAL_FRAMES) };
-        let (path, closed) = match self.path.as_str() {
-            "orbit" => (orbit(terrain, views, viewport_px), true),
-            "valley" => (valley_run(terrain, views, viewport_px)?, false),
+        let (path, closed) = match self.name(subject) {
+            "orbit" => (orbit(subject, views, viewport_px), true),
+            "valley" => {
+                let terrain =
+                    subject.as_terrain().ok_or_else(|| Failure::misuse("--path valley: a model has no valleys"))?;
+                (valley_run(terrain, views, viewport_px)?, false)
+            }
             file if file.to_lowercase().ends_with(".json") => {
-                let recorded = read_path(terrain, Path::new(file), viewport_px)?;
+                let recorded = read_path(subject, Path::new(file), viewport_px)?;
                 match (self.frames, self.speed) {
                     (Some(frames), None) => return Ok(evenly(&recorded, frames)),
                     _ => (recorded, false),

@@ -2,9 +2,9 @@
 
 use super::flight_path::PathArgs;
 use super::flight_text::{Comparison, frames_json, print_summary, print_table, summary_json};
-use super::render;
 use crate::args::{ControlArgs, DrawArgs, FinenessArgs, LensArgs, LodName, SourceArgs};
 use crate::failure::Failure;
+use crate::inputs::Opened;
 use crate::pictures::{self, StyleArgs};
 use crate::progress::Bar;
 use crate::{inputs, out, text, values};
@@ -12,7 +12,7 @@ use clap::Args;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use yamanami::{
-    CameraPath, Canvas, DrawWith, FlightMode, FlightOptions, FrameStats, Terrain, measure_rate, triangles_at_rate,
+    CameraPath, Canvas, DrawWith, FlightMode, FlightOptions, FrameStats, Subject, measure_rate, triangles_at_rate,
     write_flight_plots, write_path,
 };
 
@@ -28,6 +28,7 @@ Examples:
   yamanami fly dem.tif --budget 100000 --compare --no-draw
                                                  differences against rebuilding
   yamanami fly dem.yama --path my.json --json    a recorded path, numbers for a program
+  yamanami fly scan.yama --budget 100000         around a model
 
 A path file holds {\"fov_deg\": 57, \"frames\": [{\"eye\": [x, y, z], \"target\": [x, y, z]}, ...]},
 x and y in the source's CRS, z in metres.
@@ -87,24 +88,30 @@ pub(crate) fn run(args: &FlyArgs) -> Result<(), Failure> {
     if let Some(file) = &args.save_path {
         inputs::check_output(file, &["json"], &args.source.sources)?;
     }
-    let mut terrain = inputs::terrain(&args.source)?;
+    match inputs::subject(&args.source)? {
+        Opened::Terrain(mut terrain) => over(args, &mut *terrain),
+        Opened::Model(mut model) => over(args, &mut *model),
+    }
+}
+
+fn over(args: &FlyArgs, subject: &mut impl Subject) -> Result<(), Failure> {
     if let Some(folder) = &args.output {
         inputs::make_folder(folder)?;
     }
     let viewport_px = args.lens.size.unwrap_or([1280, 720]);
-    let mut path = args.path.views(&terrain, viewport_px)?;
+    let mut path = args.path.views(subject, viewport_px)?;
     if let Some(fov_y_rad) = args.lens.fov {
         path.views.iter_mut().for_each(|view| view.fov_y_rad = fov_y_rad);
     }
     if let Some(file) = &args.save_path {
-        write_path(&terrain, &path, file)?;
+        write_path(subject, &path, file)?;
     }
     let with = args.draw.with();
     let mut fineness = args.fineness.clone();
     let mut rate = None;
     if let Some(frames_per_s) = args.rate {
         let _bar = Bar::spinner("measuring");
-        let triangles_per_s = measure_rate(&mut terrain, with, viewport_px)?;
+        let triangles_per_s = measure_rate(subject, with, viewport_px)?;
         let budget = triangles_at_rate(triangles_per_s, frames_per_s);
         fineness.budget = Some(fineness.budget.unwrap_or(u32::MAX).min(budget));
         rate = Some(triangles_per_s);
@@ -112,24 +119,21 @@ pub(crate) fn run(args: &FlyArgs) -> Result<(), Failure> {
     let first = path.views[0];
     let options = FlightOptions {
         criteria: args.control.limit(fineness.criteria(Some(first), !args.lens.no_cull, 1.0)),
-        lod: args.control.lod(&terrain, fineness.tolerance),
+        lod: args.control.lod(subject, fineness.tolerance),
         mode: if args.rebuild { FlightMode::Rebuild } else { FlightMode::Differences },
         draw: !args.no_draw,
-        style: args.style.options(&terrain)?,
+        style: args.style.options(subject)?,
         morph: !args.no_morph,
     };
     let paper = args.control.lod == LodName::Paper;
     if !args.cold {
-        warm_up(&terrain, &options)?;
+        warm_up(subject, &options)?;
     }
     let keep = args.output.as_deref().map(|folder| (folder, args.pictures));
-    let flown = fly(&mut terrain, &path, &options, with, keep)?;
-    let comparison = if args.compare { Some(compare(&mut terrain, &path, &options, with)?) } else { None };
+    let flown = fly(subject, &path, &options, with, keep)?;
+    let comparison = if args.compare { Some(compare(subject, &path, &options, with)?) } else { None };
     let mut result = json!({
-        "terrain": terrain.title(),
-        "width": terrain.size()[0],
-        "height": terrain.size()[1],
-        "path": args.path.path,
+        "path": args.path.name(subject),
         "lod": if paper { "paper" } else { "exact" },
         "mode": if args.rebuild { "rebuild" } else { "differences" },
         "budget_triangles": fineness.budget,
@@ -140,12 +144,20 @@ pub(crate) fn run(args: &FlyArgs) -> Result<(), Failure> {
         "triangles_per_s": rate,
         "summary": summary_json(&flown.frames, paper),
     });
+    if let Some(terrain) = subject.as_terrain() {
+        result["terrain"] = json!(terrain.title());
+        result["width"] = json!(terrain.size()[0]);
+        result["height"] = json!(terrain.size()[1]);
+    } else {
+        result["model"] = json!(subject.title());
+        result["faces"] = json!(subject.full_triangles());
+    }
     if let Some(comparison) = &comparison {
         result["comparison"] = comparison.to_json();
     }
     result["frames"] = frames_json(&flown.frames, paper);
     let written = match &args.output {
-        Some(folder) => write_results(&flown, fineness.budget, terrain.title(), folder, &result)?,
+        Some(folder) => write_results(&flown, fineness.budget, subject.title(), folder, &result)?,
         None => Vec::new(),
     };
     if args.json {
@@ -170,10 +182,10 @@ pub(crate) fn run(args: &FlyArgs) -> Result<(), Failure> {
 }
 
 /// Reads the pages that the first view of a flight needs.
-pub(crate) fn warm_up(terrain: &Terrain, options: &FlightOptions) -> Result<(), Failure> {
-    if terrain.store().is_some() {
+pub(crate) fn warm_up(subject: &mut impl Subject, options: &FlightOptions) -> Result<(), Failure> {
+    if subject.is_paged() {
         let _bar = Bar::spinner("reading");
-        yamanami::extract(terrain, &options.criteria)?;
+        yamanami::extract(subject, &options.criteria)?;
     }
     Ok(())
 }
@@ -188,7 +200,7 @@ pub(crate) struct Flown {
 
 /// Flies, and keeps some pictures in a folder.
 pub(crate) fn fly(
-    terrain: &mut Terrain,
+    subject: &mut impl Subject,
     path: &CameraPath,
     options: &FlightOptions,
     with: DrawWith,
@@ -201,11 +213,11 @@ pub(crate) fn fly(
             n >= count || (n == 1 && i == count / 2) || (0..n).any(|k| n > 1 && k * (count - 1) / (n - 1) == i)
         })
     };
-    let canvas = Canvas::new(render::origin(terrain), with)?;
+    let canvas = Canvas::new(subject.bounds().centre(), with)?;
     let drawn_with = canvas.description();
     let bar = Bar::steps("flying", count);
     let (mut pictures, mut failure) = (Vec::new(), None);
-    let frames = yamanami::fly(terrain, canvas, path, options, |i, _, picture| {
+    let frames = yamanami::fly(subject, canvas, path, options, |i, _, picture| {
         bar.set_step(i + 1);
         if let (Some((folder, _)), Some(picture), None) = (kept(i), picture, &failure) {
             let name = format!("frame-{i:05}.png");
@@ -219,14 +231,14 @@ pub(crate) fn fly(
 
 /// The same flight by differences and by rebuilding, neither drawn.
 pub(crate) fn compare(
-    terrain: &mut Terrain,
+    subject: &mut impl Subject,
     path: &CameraPath,
     options: &FlightOptions,
     with: DrawWith,
 ) -> Result<Comparison, Failure> {
     let mut run = |mode| {
         let options = FlightOptions { mode, draw: false, ..options.clone() };
-        fly(terrain, path, &options, with, None).map(|flown| flown.frames)
+        fly(subject, path, &options, with, None).map(|flown| flown.frames)
     };
     Ok(Comparison { differences: run(FlightMode::Differences)?, rebuild: run(FlightMode::Rebuild)? })
 }

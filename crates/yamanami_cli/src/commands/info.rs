@@ -1,8 +1,8 @@
 //! `info`: what is this file?
 
-use super::info_mesh;
 use super::info_text::{database_json, dem_json, print_database, print_dem};
 use super::render;
+use super::{info_mesh, info_model};
 use crate::args::ReadingArgs;
 use crate::failure::Failure;
 use crate::pictures::{self, PICTURE_ENDINGS};
@@ -14,8 +14,11 @@ use serde_json::Value;
 use std::path::{Path, PathBuf};
 use yamanami::core::{GeoReference, HeightField, HeightSource, View, Window};
 use yamanami::gpu::{Background, Haze, RenderOptions};
-use yamanami::io::{dem, mesh_file, store::TerrainStore};
-use yamanami::{Criteria, DrawWith, Terrain, ViewCriterion};
+use yamanami::io::{
+    dem, mesh_file,
+    store::{ClusterStore, TerrainStore},
+};
+use yamanami::{Criteria, DrawWith, Subject, Terrain, ViewCriterion};
 
 /// Tell what a file is: elevation data, database or mesh
 #[derive(Debug, Args)]
@@ -81,7 +84,9 @@ pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
         if !args.json && !found.is_empty() {
             out::line("")?;
         }
-        if inputs::is_yama(path) {
+        if inputs::is_yama(path) && ClusterStore::is_model(path)? {
+            found.push(info_model::tell(path, args.json, args.verify)?);
+        } else if inputs::is_yama(path) {
             found.push(database(path, args)?);
             if map.is_none() && args.picture.is_some() {
                 map = Some(inputs::open(std::slice::from_ref(path), &args.reading)?);
@@ -162,8 +167,7 @@ fn draw_map(terrain: &mut Terrain, file: &Path, json: bool) -> Result<(), Failur
     let target = DVec3::new(0.5 * east_m, -0.5 * north_m, top_m);
     let eye = target + DVec3::Z * (0.505 * across_m / (0.5 * fov_y_rad).tan());
     let view = View { eye, target, fov_y_rad, viewport_px: size };
-    let style =
-        RenderOptions { haze: Haze::None, background: Background::Plain([255; 3]), ..pictures::relief(terrain) };
+    let style = RenderOptions { haze: Haze::None, background: Background::Plain([255; 3]), ..terrain.usual_style() };
     let criteria =
         Criteria { view: Some(ViewCriterion { view, tolerance_px: 0.01, cull: false }), ..Criteria::default() };
     let drawn = render::picture(terrain, &criteria, &view, &style, DrawWith::Software)?;

@@ -1,7 +1,9 @@
 //! The commands, one a file.
 
 mod build;
+mod build_model;
 mod check;
+mod check_model;
 mod compare;
 mod demo;
 mod extract;
@@ -11,6 +13,7 @@ mod fly;
 mod generate;
 mod info;
 mod info_mesh;
+mod info_model;
 mod info_text;
 mod reduce;
 mod reduce_text;

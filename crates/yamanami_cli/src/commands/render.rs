@@ -3,19 +3,18 @@
 use super::render_model;
 use crate::args::{self, DrawArgs, EyeArgs, FinenessArgs, LensArgs, SourceArgs, UpArgs};
 use crate::failure::Failure;
+use crate::inputs::Opened;
 use crate::pictures::{self, PICTURE_ENDINGS, StyleArgs};
 use crate::progress::{Bar, note};
 use crate::{inputs, out, text};
 use clap::Args;
-use glam::DVec3;
 use image::RgbaImage;
 use serde_json::json;
 use std::path::PathBuf;
 use std::time::Instant;
 use yamanami::core::View;
 use yamanami::gpu::RenderOptions;
-use yamanami::io::mesh_file;
-use yamanami::{Canvas, Criteria, DrawWith, FrameReport, Scene, Terrain};
+use yamanami::{Canvas, Criteria, DrawWith, FrameReport, Scene, Subject};
 
 /// Draw one picture
 #[derive(Debug, Args)]
@@ -57,20 +56,27 @@ const USUAL_TOLERANCE_PX: f32 = 0.5;
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     inputs::check_output(&args.output, &PICTURE_ENDINGS, &args.source.sources)?;
     if let [file] = args.source.sources.as_slice()
-        && mesh_file::is_mesh_name(file)
+        && inputs::is_mesh(file)
+        && !args.fineness.is_given()
     {
         return render_model::run(args, file);
     }
-    let mut terrain = inputs::terrain(&args.source)?;
-    let view = args::view(&args.eye, &args.lens, &terrain, [1600, 900]);
-    warn_if_far(&terrain, &view);
+    match inputs::subject(&args.source)? {
+        Opened::Terrain(mut terrain) => draw(args, &mut *terrain),
+        Opened::Model(mut model) => draw(args, &mut *model),
+    }
+}
+
+fn draw(args: &RenderArgs, subject: &mut impl Subject) -> Result<(), Failure> {
+    let view = args::view(&args.eye, &args.lens, subject, [1600, 900]);
+    warn_if_far(subject, &view);
     let criteria = args.fineness.criteria(Some(view), !args.lens.no_cull, USUAL_TOLERANCE_PX);
-    let style = args.style.options(&terrain)?;
+    let style = args.style.options(subject)?;
     let with = args.draw.with();
     let started = Instant::now();
     let drawn = {
         let _bar = Bar::spinner("drawing");
-        picture(&mut terrain, &criteria, &view, &style, with)?
+        picture(subject, &criteria, &view, &style, with)?
     };
     let ms = started.elapsed().as_secs_f64() * 1e3;
     pictures::write(&args.output, drawn.picture)?;
@@ -100,17 +106,17 @@ pub(crate) struct Drawn {
     pub(crate) drawn_with: &'static str,
 }
 
-/// Draws a terrain as fine as criteria ask.
+/// Draws a terrain or a model as fine as criteria ask.
 pub(crate) fn picture(
-    terrain: &mut Terrain,
+    subject: &mut impl Subject,
     criteria: &Criteria,
     view: &View,
     style: &RenderOptions,
     with: DrawWith,
 ) -> Result<Drawn, Failure> {
-    let mut scene = Scene::new(terrain, Canvas::new(origin(terrain), with)?);
+    let mut scene = Scene::new(subject, Canvas::new(subject.bounds().centre(), with)?);
     let report = loop {
-        let update = scene.update(terrain, criteria)?;
+        let update = scene.update(subject, criteria)?;
         if update.pages == 0 {
             break update.report;
         }
@@ -119,14 +125,9 @@ pub(crate) fn picture(
     Ok(Drawn { picture, report, drawn_with: scene.canvas().description() })
 }
 
-/// The middle of a terrain: drawing is relative to it.
-pub(crate) fn origin(terrain: &Terrain) -> DVec3 {
-    let ([east_m, north_m], [low, high]) = (terrain.extent_m(), terrain.range_m().map(f64::from));
-    DVec3::new(0.5 * east_m, -0.5 * north_m, 0.5 * (low + high))
-}
-
 /// A target far off the terrain is most likely in other coordinates than the source's.
-fn warn_if_far(terrain: &Terrain, view: &View) {
+fn warn_if_far(subject: &impl Subject, view: &View) {
+    let Some(terrain) = subject.as_terrain() else { return };
     let [east_m, north_m] = terrain.extent_m();
     let reach = east_m.max(north_m);
     let off = |v: f64, most: f64| v < -reach || v > most + reach;

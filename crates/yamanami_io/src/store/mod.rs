@@ -1,13 +1,17 @@
-//! The surface database: one `.yama` file that holds a terrain at every level of detail.
+//! The surface database: one `.yama` file that holds a terrain, or a scanned model, at every level of detail.
 //!
 //! An SQLite file (documented byte by byte in `docs/format.md`): facts, pages as blobs, and an R*Tree of their boxes. Each
 //! height is stored once, on the level where its point first appears, as the small difference from what the coarser
 //! level foretells; so any level can be read without the finer ones, and any page with one page a level above it.
 //!
-//! [`TerrainWriter`] writes a file, [`TerrainStore`] reads one, [`PageCodec`] turns single pages into bytes and back.
+//! [`TerrainWriter`] writes a file, [`TerrainStore`] reads one, [`PageCodec`] turns single pages into bytes and back; for
+//! models [`ClusterWriter`], [`ClusterStore`] and [`ClusterCodec`] do.
 
+mod binary;
 mod bits;
 mod cache;
+mod cluster;
+mod database;
 mod error_steps;
 mod errors;
 mod family;
@@ -18,10 +22,12 @@ mod page;
 mod quantum;
 mod rans;
 mod reader;
+mod residuals;
 mod schema;
 mod shown;
 mod writer;
 
+pub use cluster::{ClusterCodec, ClusterMeta, ClusterStore, ClusterWriter, PageShape, put_in_order};
 pub use meta::TerrainMeta;
 pub use page::{EncodedPage, PageCodec};
 pub use quantum::{Quantum, QuantumFinder};

@@ -1,15 +1,14 @@
-//! Reading a `.yama` file: pages on demand, from any thread, through a cache of bounded size.
+//! Reading a terrain's `.yama` file: pages on demand, from any thread, through a cache of bounded size.
 
 use super::cache::PageCache;
+use super::database::{WholeFile, lock};
 use super::meta::TerrainMeta;
 use super::page::PageCodec;
-use super::schema::{APPLICATION_ID, FORMAT_VERSION, TABLES, page_crc32, page_id, read_meta, row_id};
+use super::schema::{Content, TERRAIN_TABLES, page_id, read_meta, row_id};
 use crate::IoError;
-use rusqlite::limits::Limit;
-use rusqlite::{Connection, MAIN_DB, OpenFlags, OptionalExtension, params};
-use std::io::Read;
-use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use rusqlite::{Connection, OptionalExtension, params};
+use std::path::Path;
+use std::sync::{Arc, Mutex};
 use yamanami_core::{Aabb, Lattice, PAGE_CELLS, PageId, TerrainPage};
 
 /// Decoded pages are kept up to this many bytes unless told otherwise.
@@ -22,8 +21,7 @@ const MAX_ROW_BYTES: i32 = 8 << 20;
 /// An open terrain database.
 #[derive(Debug)]
 pub struct TerrainStore {
-    path: PathBuf,
-    db: Mutex<Connection>,
+    file: WholeFile,
     cache: Mutex<PageCache>,
     meta: TerrainMeta,
     codec: PageCodec,
@@ -33,11 +31,9 @@ impl TerrainStore {
     /// Opens a file and checks that it is whole and of a version that is understood.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, IoError> {
         let path = path.as_ref();
-        check_header(path)?;
-        let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
-        let db = Connection::open_with_flags(path, flags).map_err(|e| read_error(path, "database", e))?;
-        let (mut meta, radii) = read_facts(&db)
-            .map_err(|e| read_error(path, "database", e))?
+        let file = WholeFile::open(path, Content::Terrain, &TERRAIN_TABLES, MAX_ROW_BYTES)?;
+        let (mut meta, radii) = file
+            .with("database", read_facts)?
             .map_err(|found| IoError::malformed(path, "facts", "a terrain surface", found))?;
         meta.bound_radius_m = radii;
         let check = |found: String| IoError::malformed(path, "table `meta`", "a surface that can be", found);
@@ -46,7 +42,7 @@ impl TerrainStore {
             PageCodec::new(meta.size, meta.quantum, meta.has_holes, meta.error_steps_per_octave, meta.level0_slack_m)
                 .map_err(|e| check(e.to_string()))?;
         let cache = Mutex::new(PageCache::new(USUAL_CACHE_BYTES));
-        Ok(Self { path: path.to_owned(), db: Mutex::new(db), cache, meta, codec })
+        Ok(Self { file, cache, meta, codec })
     }
 
     /// Keeps decoded pages up to this many bytes (at least one page of every level stays).
@@ -61,7 +57,7 @@ impl TerrainStore {
 
     /// The file.
     pub fn path(&self) -> &Path {
-        &self.path
+        self.file.path()
     }
 
     /// What the file says of itself.
@@ -88,16 +84,14 @@ impl TerrainStore {
     pub fn page_bounds(&self, id: PageId) -> Result<Aabb, IoError> {
         self.check_place(id)?;
         let sql = "SELECT x_min_m, y_min_m, z_min_m, x_max_m, y_max_m, z_max_m FROM page_bounds WHERE id = ?1";
-        let row = lock(&self.db)
-            .prepare_cached(sql)
-            .and_then(|mut q| {
-                q.query_row([row_id(id)], |row| {
+        let row = self.file.with("table `page_bounds`", |db| {
+            db.prepare_cached(sql)?
+                .query_row([row_id(id)], |row| {
                     let at = |i: usize| row.get::<_, f64>(i);
                     Ok([at(0)?, at(1)?, at(2)?, at(3)?, at(4)?, at(5)?])
                 })
                 .optional()
-            })
-            .map_err(|e| read_error(&self.path, "table `page_bounds`", e))?;
+        })?;
         let b = row.ok_or_else(|| self.damaged(id, "there are no bounds"))?;
         Ok(Aabb { min: [b[0], b[1], b[2]].into(), max: [b[3], b[4], b[5]].into() })
     }
@@ -109,12 +103,12 @@ impl TerrainStore {
         let level = level.min(self.lattice().levels());
         let first = row_id(PageId { level, x: 0, y: 0 });
         let last = first + (1 << 48) - 1;
-        let db = lock(&self.db);
-        let ids = db.prepare_cached(sql).and_then(|mut q| {
-            let rows = q.query_map(params![min_m[0], max_m[0], min_m[1], max_m[1], first, last], |row| row.get(0))?;
+        let ids = self.file.with("table `page_bounds`", |db| {
+            let mut select = db.prepare_cached(sql)?;
+            let rows =
+                select.query_map(params![min_m[0], max_m[0], min_m[1], max_m[1], first, last], |row| row.get(0))?;
             rows.collect::<rusqlite::Result<Vec<i64>>>()
-        });
-        let ids = ids.map_err(|e| read_error(&self.path, "table `page_bounds`", e))?;
+        })?;
         Ok(ids.into_iter().filter_map(page_id).filter(|&id| self.codec.page_points(id).is_some()).collect())
     }
 
@@ -185,12 +179,7 @@ impl TerrainStore {
 
     /// Reads everything once: every page, every checksum, every border shared by two pages.
     pub fn verify(&self) -> Result<(), IoError> {
-        let ok: String = lock(&self.db)
-            .query_row("PRAGMA quick_check(1)", [], |row| row.get(0))
-            .map_err(|e| read_error(&self.path, "database", e))?;
-        if ok != "ok" {
-            return Err(IoError::malformed(&self.path, "database", "a sound structure", ok));
-        }
+        self.file.check_structure()?;
         for level in (0..=self.lattice().levels()).rev() {
             let [nx, ny] = self.pages_at(level);
             for y in 0..ny {
@@ -230,34 +219,8 @@ impl TerrainStore {
     }
 
     fn read_page(&self, id: PageId, parent: Option<&TerrainPage>) -> Result<TerrainPage, IoError> {
-        let (crc32, bytes) = self.page_bytes(id)?;
-        if i64::from(page_crc32(id, &bytes)) != crc32 {
-            return Err(self.damaged(id, "its checksum does not match"));
-        }
+        let bytes = self.file.page_bytes(row_id(id), MAX_PAGE_BYTES)?.map_err(|found| self.damaged(id, found))?;
         self.codec.decode_page(id, &bytes, parent).map_err(|found| self.damaged(id, found))
-    }
-
-    /// A page's checksum and bytes as they are in the file.
-    fn page_bytes(&self, id: PageId) -> Result<(i64, Vec<u8>), IoError> {
-        let db = lock(&self.db);
-        let row: Option<[i64; 4]> = db
-            .prepare_cached("SELECT chunk, start, length, crc32 FROM page WHERE id = ?1")
-            .and_then(|mut q| {
-                q.query_row([row_id(id)], |row| Ok([row.get(0)?, row.get(1)?, row.get(2)?, row.get(3)?])).optional()
-            })
-            .map_err(|e| read_error(&self.path, "table `page`", e))?;
-        let [chunk, start, length, crc32] = row.ok_or_else(|| self.damaged(id, "it is not there"))?;
-        let blob = db
-            .blob_open(MAIN_DB, "chunk", "data", chunk, true)
-            .map_err(|e| read_error(&self.path, "table `chunk`", e))?;
-        let within =
-            |start: usize, length: usize| length <= MAX_PAGE_BYTES && start.saturating_add(length) <= blob.len();
-        let place = usize::try_from(start).ok().zip(usize::try_from(length).ok());
-        let (start, length) =
-            place.filter(|&(s, n)| within(s, n)).ok_or_else(|| self.damaged(id, "it lies outside its chunk"))?;
-        let mut bytes = vec![0; length];
-        blob.read_at_exact(&mut bytes, start).map_err(|e| read_error(&self.path, "table `chunk`", e))?;
-        Ok((crc32, bytes))
     }
 
     fn check_place(&self, id: PageId) -> Result<(), IoError> {
@@ -274,89 +237,14 @@ impl TerrainStore {
 
     fn damaged(&self, id: PageId, found: &str) -> IoError {
         let place = format!("page {}, {} of level {}", id.x, id.y, id.level);
-        IoError::malformed(&self.path, place, "a whole page", found)
+        IoError::malformed(self.file.path(), place, "a whole page", found)
     }
-}
-
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    // nothing in here leaves half a change behind
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// What SQLite says while reading, as this crate's error.
-fn read_error(path: &Path, place: &str, error: rusqlite::Error) -> IoError {
-    IoError::malformed(path, place, "a whole .yama file", error.to_string())
-}
-
-/// Looks at the first bytes, so that the commonest mistakes get a plain answer.
-fn check_header(path: &Path) -> Result<(), IoError> {
-    let mut file = std::fs::File::open(path).map_err(|e| IoError::io(path, e))?;
-    let metadata = file.metadata().map_err(|e| IoError::io(path, e))?;
-    if metadata.is_dir() {
-        return Err(IoError::io(path, std::io::ErrorKind::IsADirectory.into()));
-    }
-    let mut head = Vec::with_capacity(100);
-    file.by_ref().take(100).read_to_end(&mut head).map_err(|e| IoError::io(path, e))?;
-    let word = |at: usize| head.get(at..at + 4).map(|b| u32::from_be_bytes([b[0], b[1], b[2], b[3]]));
-    let (Some(page_words), Some(db_pages), Some(version), Some(application)) = (word(16), word(28), word(60), word(68))
-    else {
-        return Err(IoError::malformed(path, "file", "at least 100 bytes", format!("{}", head.len())));
-    };
-    if !head.starts_with(b"SQLite format 3\0") {
-        return Err(IoError::malformed(path, "bytes 0 to 15", "\"SQLite format 3\" (a .yama file)", "something else"));
-    }
-    if application != APPLICATION_ID {
-        let found = format!("{application:#010x}: another program's database, or a build that broke off");
-        return Err(IoError::malformed(path, "bytes 68 to 71", format!("{APPLICATION_ID:#010x}"), found));
-    }
-    if version == 0 {
-        return Err(IoError::malformed(
-            path,
-            "bytes 60 to 63",
-            "a finished file",
-            "a build that broke off; build it again",
-        ));
-    }
-    if version != FORMAT_VERSION {
-        return Err(IoError::unsupported(
-            path,
-            format!("version {version} of the format"),
-            format!(
-                "this program reads version {FORMAT_VERSION}: build the file again, or use the program that made it"
-            ),
-        ));
-    }
-    // a page size of 1 stands for 65536
-    let page_bytes = match page_words >> 16 {
-        1 => 65_536,
-        n => u64::from(n),
-    };
-    let expected = page_bytes * u64::from(db_pages);
-    if metadata.len() < expected {
-        return Err(IoError::malformed(
-            path,
-            "file",
-            format!("{expected} bytes"),
-            format!("{}: cut short", metadata.len()),
-        ));
-    }
-    Ok(())
 }
 
 type FactsAndRadii = (TerrainMeta, Vec<f64>);
 
 fn read_facts(db: &Connection) -> rusqlite::Result<Result<FactsAndRadii, String>> {
-    db.set_limit(Limit::SQLITE_LIMIT_LENGTH, MAX_ROW_BYTES)?;
-    db.execute_batch("PRAGMA trusted_schema = OFF; PRAGMA cell_size_check = ON; PRAGMA cache_size = -2048")?;
-    for (name, statement) in TABLES {
-        let found: Option<String> = db
-            .query_row("SELECT sql FROM sqlite_schema WHERE type = 'table' AND name = ?1", [name], |row| row.get(0))
-            .optional()?;
-        if found.as_deref() != Some(statement) {
-            return Ok(Err(format!("no table `{name}` of the expected kind")));
-        }
-    }
-    let meta = match read_meta(db)? {
+    let meta = match read_meta(db)?.and_then(|facts| facts.terrain()) {
         Ok(meta) => meta,
         Err(found) => return Ok(Err(found)),
     };

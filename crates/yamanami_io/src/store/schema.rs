@@ -1,15 +1,37 @@
 //! The tables of a `.yama` file, and the facts of a surface as rows of one of them.
 
+use super::cluster::ClusterMeta;
 use super::meta::TerrainMeta;
 use super::quantum::Quantum;
+use glam::DVec3;
 use rusqlite::types::{Value, ValueRef};
 use rusqlite::{Connection, params};
-use yamanami_core::{Crs, GeoReference, PageId};
+use yamanami_core::{Aabb, Crs, GeoReference, PageId};
 
 /// "YAMA": bytes 68 to 71 of the file.
 pub(super) const APPLICATION_ID: u32 = 0x5941_4D41;
-/// Version of the format: bytes 60 to 63 of the file; 0 while it is being written.
-pub(super) const FORMAT_VERSION: u32 = 1;
+/// Bytes 60 to 63 of the file tell what it holds and in which version; 0 while it is being written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Content {
+    /// A terrain.
+    Terrain = 1,
+    /// A model of clusters.
+    Clusters = 2,
+}
+
+impl Content {
+    /// All that is known.
+    pub(super) const ALL: [Self; 2] = [Self::Terrain, Self::Clusters];
+
+    /// In words.
+    pub(super) fn in_words(self) -> &'static str {
+        match self {
+            Self::Terrain => "a terrain",
+            Self::Clusters => "a model",
+        }
+    }
+}
+
 /// Pages' bytes are stored one after the other in chunks of about this size: a blob a page would leave too much room
 /// unused, and a longer one takes too long to find one's way in.
 pub(super) const CHUNK_BYTES: usize = 256 << 10;
@@ -23,20 +45,35 @@ pub(super) fn db_page_bytes(size: [u32; 2]) -> u32 {
     }
 }
 
-/// Names and statements of everything in the file; a reader insists on exactly these.
-pub(super) const TABLES: [(&str, &str); 5] = [
-    ("meta", "CREATE TABLE meta(key TEXT PRIMARY KEY, value) WITHOUT ROWID"),
+/// Name and statement of a table.
+pub(super) type Table = (&'static str, &'static str);
+
+const META: Table = ("meta", "CREATE TABLE meta(key TEXT PRIMARY KEY, value) WITHOUT ROWID");
+const CHUNK: Table = ("chunk", "CREATE TABLE chunk(id INTEGER PRIMARY KEY, data BLOB NOT NULL)");
+const PAGE: Table = (
+    "page",
+    "CREATE TABLE page(id INTEGER PRIMARY KEY, chunk INTEGER NOT NULL, start INTEGER NOT NULL, \
+     length INTEGER NOT NULL, crc32 INTEGER NOT NULL)",
+);
+
+/// Names and statements of everything in a terrain's file; a reader insists on exactly these.
+pub(super) const TERRAIN_TABLES: [Table; 5] = [
+    META,
     ("level", "CREATE TABLE level(level INTEGER PRIMARY KEY, pages INTEGER NOT NULL, bound_radius_m REAL)"),
-    ("chunk", "CREATE TABLE chunk(id INTEGER PRIMARY KEY, data BLOB NOT NULL)"),
-    (
-        "page",
-        "CREATE TABLE page(id INTEGER PRIMARY KEY, chunk INTEGER NOT NULL, start INTEGER NOT NULL, \
-         length INTEGER NOT NULL, crc32 INTEGER NOT NULL)",
-    ),
+    CHUNK,
+    PAGE,
     (
         "page_bounds",
         "CREATE VIRTUAL TABLE page_bounds USING rtree(id, x_min_m, x_max_m, y_min_m, y_max_m, z_min_m, z_max_m)",
     ),
+];
+
+/// The same of a model's file.
+pub(super) const CLUSTER_TABLES: [Table; 4] = [
+    META,
+    ("node_block", "CREATE TABLE node_block(id INTEGER PRIMARY KEY, crc32 INTEGER NOT NULL, data BLOB NOT NULL)"),
+    CHUNK,
+    PAGE,
 ];
 
 /// Row number of a page: coarse levels first, then by rows.
@@ -51,18 +88,17 @@ pub(super) fn page_id(row: i64) -> Option<PageId> {
     Some(PageId { level, x: field(0), y: field(24) })
 }
 
-/// Checksum of a page: CRC-32 of its row number (8 bytes, little-endian) and its bytes.
-pub(super) fn page_crc32(id: PageId, bytes: &[u8]) -> u32 {
+/// Checksum of a row: CRC-32 of its number (8 bytes, little-endian) and its bytes.
+pub(super) fn row_crc32(row: i64, bytes: &[u8]) -> u32 {
     let mut hasher = crc32fast::Hasher::new();
-    hasher.update(&row_id(id).to_le_bytes());
+    hasher.update(&row.to_le_bytes());
     hasher.update(bytes);
     hasher.finalize()
 }
 
-/// Writes the facts.
+/// Writes the facts of a terrain.
 pub(super) fn write_meta(db: &Connection, meta: &TerrainMeta) -> rusqlite::Result<()> {
-    let mut insert = db.prepare("INSERT INTO meta(key, value) VALUES(?1, ?2)")?;
-    let mut put = |key: &str, value: Value| insert.execute(params![key, value]).map(|_| ());
+    let mut put = fact_writer(db)?;
     let geo = &meta.geo;
     put("kind", Value::Text("terrain".into()))?;
     put("title", Value::Text(meta.title.clone()))?;
@@ -94,8 +130,38 @@ pub(super) fn write_meta(db: &Connection, meta: &TerrainMeta) -> rusqlite::Resul
     put("quantum_value", value)
 }
 
-/// Reads the facts (all but the bound radii); an inner error says what is missing or wrong.
-pub(super) fn read_meta(db: &Connection) -> rusqlite::Result<Result<TerrainMeta, String>> {
+/// Writes facts one by one.
+fn fact_writer(db: &Connection) -> rusqlite::Result<impl FnMut(&str, Value) -> rusqlite::Result<()>> {
+    let mut insert = db.prepare("INSERT INTO meta(key, value) VALUES(?1, ?2)")?;
+    Ok(move |key: &str, value: Value| insert.execute(params![key, value]).map(|_| ()))
+}
+
+/// Writes the facts of a model.
+pub(super) fn write_cluster_meta(db: &Connection, meta: &ClusterMeta) -> rusqlite::Result<()> {
+    let mut put = fact_writer(db)?;
+    put("kind", Value::Text("clusters".into()))?;
+    put("title", Value::Text(meta.title.clone()))?;
+    put("source", Value::Text(meta.source.clone()))?;
+    put("source_faces", count(meta.source_faces))?;
+    put("source_vertices", count(meta.source_vertices))?;
+    for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+        put(&format!("{name}_min_m"), Value::Real(meta.bounds.min[axis]))?;
+        put(&format!("{name}_max_m"), Value::Real(meta.bounds.max[axis]))?;
+    }
+    put("quantum_m", Value::Real(meta.quantum_m))?;
+    put("max_error_m", Value::Real(meta.max_error_m()))?;
+    put("has_colours", Value::Integer(meta.has_colours.into()))?;
+    put("nodes", count(meta.nodes.into()))?;
+    put("triangles", count(meta.triangles))?;
+    put("vertices", count(meta.vertices))
+}
+
+fn count(n: u64) -> Value {
+    Value::Integer(i64::try_from(n).unwrap_or(i64::MAX))
+}
+
+/// The facts as they are in the file; the inner error says what is wrong.
+pub(super) fn read_meta(db: &Connection) -> rusqlite::Result<Result<Facts, String>> {
     let mut facts = std::collections::BTreeMap::new();
     let mut select = db.prepare("SELECT key, value FROM meta LIMIT 1000")?;
     let mut rows = select.query([])?;
@@ -106,10 +172,12 @@ pub(super) fn read_meta(db: &Connection) -> rusqlite::Result<Result<TerrainMeta,
         };
         facts.insert(key, row.get::<_, Value>(1)?);
     }
-    Ok(Facts(facts).terrain())
+    Ok(Ok(Facts(facts)))
 }
 
-struct Facts(std::collections::BTreeMap<String, Value>);
+/// What a file says of itself, by name.
+#[derive(Debug)]
+pub(super) struct Facts(std::collections::BTreeMap<String, Value>);
 
 impl Facts {
     fn wrong(&self, key: &str) -> String {
@@ -145,7 +213,31 @@ impl Facts {
         }
     }
 
-    fn terrain(&self) -> Result<TerrainMeta, String> {
+    /// A model; says what is missing or wrong.
+    pub(super) fn clusters(&self) -> Result<ClusterMeta, String> {
+        if self.text("kind")? != "clusters" {
+            return Err(self.wrong("kind"));
+        }
+        let corner = |end: &str| -> Result<DVec3, String> {
+            let at = |axis: &str| self.real(&format!("{axis}_{end}_m"));
+            Ok(DVec3::new(at("x")?, at("y")?, at("z")?))
+        };
+        Ok(ClusterMeta {
+            title: self.text("title")?,
+            source: self.text("source")?,
+            source_faces: self.integer("source_faces")?,
+            source_vertices: self.integer("source_vertices")?,
+            bounds: Aabb { min: corner("min")?, max: corner("max")? },
+            quantum_m: self.real("quantum_m")?,
+            has_colours: self.flag("has_colours")?,
+            nodes: self.integer("nodes")?,
+            triangles: self.integer("triangles")?,
+            vertices: self.integer("vertices")?,
+        })
+    }
+
+    /// A terrain, all but its bound radii; says what is missing or wrong.
+    pub(super) fn terrain(&self) -> Result<TerrainMeta, String> {
         if self.text("kind")? != "terrain" {
             return Err(self.wrong("kind"));
         }

@@ -1,11 +1,7 @@
-//! Which triangles of a page hold data, to bytes and back: two bits a square, each coded from its neighbours by an
-//! adaptive binary range coder.
-//!
-//! Based on: Martin, "Range encoding: an algorithm for removing redundancy from a digitised message", 1979; the carry-less
-//! byte-wise form and the shift-register probabilities follow Pavlov's LZMA.
+//! Which triangles of a page hold data, to bytes and back: two bits a square, each coded from its neighbours.
 
-const PROB_BITS: u32 = 12;
-const RATE: u32 = 4;
+use super::binary::{BinaryDecoder, BinaryEncoder, Probability};
+
 const CONTEXTS: usize = 1 << 10;
 
 /// What the squares around say of the two bits of square (x, y).
@@ -24,79 +20,33 @@ fn bit_context(context: usize, half: usize, first_bit: usize) -> usize {
 
 /// Codes two bits a square.
 pub(super) fn encode(shown: &[u8], columns: usize) -> Vec<u8> {
-    let mut probabilities = [1u16 << (PROB_BITS - 1); CONTEXTS];
-    let (mut low, mut range, mut out) = (0u64, u32::MAX, Vec::new());
-    let (mut cache, mut pending) = (0u8, 1u64);
-    let mut shift_low = |low: &mut u64| {
-        if *low < 0xFF00_0000 || *low > 0xFFFF_FFFF {
-            let carry = (*low >> 32) as u8;
-            out.push(cache.wrapping_add(carry));
-            out.extend((1..pending).map(|_| 0xFFu8.wrapping_add(carry)));
-            pending = 0;
-            cache = (*low >> 24) as u8;
-        }
-        pending += 1;
-        *low = (*low << 8) & 0xFFFF_FFFF;
-    };
+    let mut probabilities = [Probability::EVEN; CONTEXTS];
+    let mut encoder = BinaryEncoder::new();
     for (i, &square) in shown.iter().enumerate() {
         let around = context(shown, columns, i % columns, i / columns);
         for half in 0..2 {
-            let bit = square >> half & 1;
             let p = &mut probabilities[bit_context(around, half, usize::from(square & 1))];
-            let bound = (range >> PROB_BITS) * u32::from(*p);
-            if bit == 0 {
-                range = bound;
-                *p += ((1 << PROB_BITS) - *p) >> RATE;
-            } else {
-                low += u64::from(bound);
-                range -= bound;
-                *p -= *p >> RATE;
-            }
-            while range < 1 << 24 {
-                range <<= 8;
-                shift_low(&mut low);
-            }
+            encoder.put(square >> half & 1 == 1, p);
         }
     }
-    for _ in 0..5 {
-        shift_low(&mut low);
-    }
-    // the first byte is always zero
-    out.split_off(1)
+    encoder.finish()
 }
 
 /// Undoes [`encode`] for `count` squares; `None` when the bytes do not end where the squares do.
 pub(super) fn decode(bytes: &[u8], columns: usize, count: usize) -> Option<Vec<u8>> {
-    let mut probabilities = [1u16 << (PROB_BITS - 1); CONTEXTS];
-    let mut next = bytes.iter();
-    let (mut range, mut code) = (u32::MAX, 0u32);
-    for _ in 0..4 {
-        code = code << 8 | u32::from(*next.next()?);
-    }
+    let mut probabilities = [Probability::EVEN; CONTEXTS];
+    let mut decoder = BinaryDecoder::new(bytes)?;
     let mut shown = vec![0u8; count];
     for i in 0..count {
         let around = context(&shown, columns, i % columns, i / columns);
         let mut square = 0;
         for half in 0..2 {
             let p = &mut probabilities[bit_context(around, half, usize::from(square & 1))];
-            let bound = (range >> PROB_BITS) * u32::from(*p);
-            if code < bound {
-                range = bound;
-                *p += ((1 << PROB_BITS) - *p) >> RATE;
-            } else {
-                code -= bound;
-                range -= bound;
-                *p -= *p >> RATE;
-                square |= 1 << half;
-            }
-            while range < 1 << 24 {
-                range <<= 8;
-                code = code << 8 | u32::from(*next.next()?);
-            }
+            square |= u8::from(decoder.get(p)) << half;
         }
         shown[i] = square;
     }
-    next.as_slice().is_empty().then_some(shown)
+    decoder.is_exhausted().then_some(shown)
 }
 
 #[cfg(test)]

@@ -16,10 +16,12 @@ mod quadric;
 mod rounds;
 mod stars;
 mod surroundings;
+mod within;
 mod work;
 
 use prepare::Prepared;
 use rounds::Stop;
+pub use within::{CollapsedWithin, collapse_within};
 use yamanami_core::TriangleMesh;
 
 /// Which collapse.

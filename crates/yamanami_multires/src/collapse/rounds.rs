@@ -188,6 +188,8 @@ impl<'w> Rounds<'w> {
     /// Takes the vertex's cheapest edge that may go, if it costs no more than `limit`.
     fn take(&mut self, v: u32, limit: f32, stop: Stop) {
         if self.work.is_gone(v) {
+            // it lost its last triangle with another's edge: it must not count as an edge to go
+            self.key[v as usize] = f32::INFINITY;
             return;
         }
         if self.state[v as usize] & EDGE_IS_STALE != 0 {

@@ -44,16 +44,16 @@ pub(super) fn plane_sum(work: &Work, v: u32) -> (PlaneSum, bool) {
         sum.add_triangles(&corners);
     }
     let is_closed = balance == 0;
-    if !is_closed || work.holds[v as usize] & hold::CREASE != 0 {
-        work.for_lines(v, |n| sum.add_line((work.positions[n as usize] - at).as_vec3(), LINE_WEIGHT));
-    }
     if sum.evenness() < EVEN {
         add_folds(work, v, &mut sum);
-        // lines count here as what they stand for: surfaces
+        // rims count here as what they stand for: surfaces
         let evenness = sum.evenness();
         if evenness < TIP {
             sum.add_point(TIP_WEIGHT * (TIP - evenness));
         }
+    }
+    if !is_closed || work.holds[v as usize] & hold::CREASE != 0 {
+        work.for_lines(v, |n| sum.add_line((work.positions[n as usize] - at).as_vec3(), LINE_WEIGHT));
     }
     (sum, is_closed)
 }

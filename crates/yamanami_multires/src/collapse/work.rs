@@ -144,6 +144,8 @@ impl Work {
         }
         let mut star = std::mem::take(&mut self.star);
         star.clear();
+        self.just_gone.clear();
+        self.just_gone.push(goes);
         self.appearance.merge(self.stars.of(goes), &self.triangles, goes, stays, share);
         for k in 0..self.stars.of(goes).len() {
             let corner = self.stars.of(goes)[k];
@@ -151,6 +153,9 @@ impl Work {
             if let Some(third) = third(self.triangles[t], goes, stays) {
                 self.stars.remove(third, t);
                 self.stars.remove(stays, t);
+                if self.stars.of(third).is_empty() {
+                    self.just_gone.push(third);
+                }
                 self.triangles[t] = [GONE; 3];
                 self.faces -= 1;
             } else {
@@ -161,8 +166,6 @@ impl Work {
         star.extend_from_slice(self.stars.of(stays));
         self.stars.set(goes, &[]);
         self.stars.set(stays, &star);
-        self.just_gone.clear();
-        self.just_gone.push(goes);
         self.star = star;
         self.positions[stays as usize] = place;
         self.holds[stays as usize] |= self.holds[goes as usize];

@@ -277,39 +277,6 @@ impl<D: TerrainData> TerrainSurface<D> {
         }
     }
 
-    /// Emits a whole front into an empty sink, each vertex and triangle once: what the steps from the base lead to.
-    pub fn emit_front(&self, active: &dyn ActiveSet, sink: &mut dyn Sink) {
-        let level = self.lattice().levels();
-        let [nx, ny] = self.lattice().points(level);
-        for (y, x) in (0..ny).flat_map(|y| (0..nx).map(move |x| (y, x))) {
-            let node = LatticeNode { level, x, y };
-            sink.add_vertex(self.vertex_id(self.lattice().sample(level, x, y)), self.shaded_vertex(node, active));
-        }
-        let mut open: Vec<Triangle> = self.base_triangles().collect();
-        let mut drawn = Vec::new();
-        while let Some(t) = open.pop() {
-            let config = self.config(t, active);
-            if t.level > 0 && config != 0 {
-                for (bit, m) in t.midpoints().into_iter().enumerate() {
-                    // a midpoint of two triangles comes with the first
-                    let own = config & 1 << bit != 0 && self.numbers.exists(m) && adjacent(m, self.lattice())[0] == t;
-                    if own && self.has_vertex(m) {
-                        let id = self.vertex_id(self.lattice().sample(m.level, m.x, m.y));
-                        sink.add_vertex(id, self.shaded_vertex(m, active));
-                    }
-                }
-            }
-            if config == ALL {
-                open.extend(t.children().into_iter().filter(|c| c.exists(self.lattice())));
-            } else if self.shown(t) {
-                drawn.push((t, config));
-            }
-        }
-        for (t, config) in drawn {
-            self.for_template(t, config, |key, corners| self.put(key, corners, true, sink));
-        }
-    }
-
     /// A vertex of a front with the shading that the steps to it would have left.
     fn shaded_vertex(&self, node: LatticeNode, active: &dyn ActiveSet) -> SurfaceVertex {
         let mut shade_level = node.level;
@@ -383,6 +350,38 @@ fn own_place(point: LatticeNode, levels: u32) -> LatticeNode {
 impl<D: TerrainData> Surface for TerrainSurface<D> {
     fn emit_base(&self, sink: &mut dyn Sink) {
         self.emit_front(&|_| false, sink);
+    }
+
+    fn emit_front(&self, active: &dyn ActiveSet, sink: &mut dyn Sink) {
+        let level = self.lattice().levels();
+        let [nx, ny] = self.lattice().points(level);
+        for (y, x) in (0..ny).flat_map(|y| (0..nx).map(move |x| (y, x))) {
+            let node = LatticeNode { level, x, y };
+            sink.add_vertex(self.vertex_id(self.lattice().sample(level, x, y)), self.shaded_vertex(node, active));
+        }
+        let mut open: Vec<Triangle> = self.base_triangles().collect();
+        let mut drawn = Vec::new();
+        while let Some(t) = open.pop() {
+            let config = self.config(t, active);
+            if t.level > 0 && config != 0 {
+                for (bit, m) in t.midpoints().into_iter().enumerate() {
+                    // a midpoint of two triangles comes with the first
+                    let own = config & 1 << bit != 0 && self.numbers.exists(m) && adjacent(m, self.lattice())[0] == t;
+                    if own && self.has_vertex(m) {
+                        let id = self.vertex_id(self.lattice().sample(m.level, m.x, m.y));
+                        sink.add_vertex(id, self.shaded_vertex(m, active));
+                    }
+                }
+            }
+            if config == ALL {
+                open.extend(t.children().into_iter().filter(|c| c.exists(self.lattice())));
+            } else if self.shown(t) {
+                drawn.push((t, config));
+            }
+        }
+        for (t, config) in drawn {
+            self.for_template(t, config, |key, corners| self.put(key, corners, true, sink));
+        }
     }
 
     fn refine(&self, node: NodeId, active: &dyn ActiveSet, sink: &mut dyn Sink) {

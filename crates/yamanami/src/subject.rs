@@ -1,0 +1,54 @@
+//! What can be shown, flown around, extracted: a terrain or a model. One way for both.
+
+use crate::{Error, Terrain};
+use glam::DVec3;
+use yamanami_core::{Aabb, NodeId, Surface};
+use yamanami_gpu::RenderOptions;
+
+/// A surface with its data: all in memory, or read by pages from a database.
+pub trait Subject {
+    /// The multiresolution surface.
+    type Surface: Surface;
+
+    /// The multiresolution surface.
+    fn surface(&self) -> &Self::Surface;
+
+    /// Name for pictures and files.
+    fn title(&self) -> &str;
+
+    /// The box of the whole, in the local frame, metres.
+    fn bounds(&self) -> Aabb;
+
+    /// Triangles of the source.
+    fn full_triangles(&self) -> u64;
+
+    /// Level of the finest vertices.
+    fn deepest_level(&self) -> u32;
+
+    /// How it is drawn unless other colours are asked for; they keep still from picture to picture.
+    fn usual_style(&self) -> RenderOptions;
+
+    /// Whether pages are read from a database as they are wanted.
+    fn is_paged(&self) -> bool;
+
+    /// Brings the pages of absent nodes into memory, at most `max_pages`; gives how many were read.
+    fn load(&mut self, wanted: &[NodeId], max_pages: usize) -> Result<usize, Error>;
+
+    /// Drops pages that no node of `in_use` needs until at most `max_bytes` stay; pages of coarse levels stay longest.
+    fn shrink(&mut self, max_bytes: usize, in_use: impl Fn(NodeId) -> bool);
+
+    /// A place in the source's coordinates, in the local frame.
+    fn local_from_source(&self, place: DVec3) -> DVec3 {
+        place
+    }
+
+    /// A place of the local frame in the source's coordinates.
+    fn source_from_local(&self, place: DVec3) -> DVec3 {
+        place
+    }
+
+    /// The terrain, if it is one.
+    fn as_terrain(&self) -> Option<&Terrain> {
+        None
+    }
+}

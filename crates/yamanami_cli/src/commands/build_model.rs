@@ -1,0 +1,85 @@
+//! `build` of a mesh: a model at every level of detail.
+
+use super::build::BuildArgs;
+use crate::failure::Failure;
+use crate::progress::{Bar, note};
+use crate::{inputs, out, text};
+use serde_json::json;
+use std::path::Path;
+use std::time::Instant;
+use yamanami::io::mesh_file;
+use yamanami::{ModelBuild, ModelStoreOptions};
+
+pub(crate) fn run(args: &BuildArgs, file: &Path) -> Result<(), Failure> {
+    let started = Instant::now();
+    let mesh = {
+        let _bar = Bar::spinner("reading");
+        mesh_file::read_mesh(file)?
+    };
+    let read_s = started.elapsed().as_secs_f64();
+    let (faces, vertices) = (mesh.triangles.len() as u64, mesh.positions.len() as u64);
+    let title = file.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+    let building = Instant::now();
+    let build = {
+        let bar = Bar::shares("building");
+        ModelBuild::of_mesh(&mesh, title.clone(), &|share| bar.set_share(share))?
+    };
+    drop(mesh);
+    let hierarchy_s = building.elapsed().as_secs_f64();
+    let options = ModelStoreOptions { max_error_m: args.max_error, source: title };
+    let stored = {
+        let bar = Bar::shares("writing");
+        build.store_as(&args.output, &options, &|share| bar.set_share(share))?
+    };
+    let build_s = started.elapsed().as_secs_f64();
+    let (bytes, source_bytes) = (inputs::file_bytes(&args.output)?, inputs::file_bytes(file)?);
+    let bytes_per_face = bytes as f64 / faces as f64;
+    if args.json {
+        return out::json(&json!({
+            "output": args.output,
+            "faces": faces,
+            "vertices": vertices,
+            "nodes": stored.nodes,
+            "triangles_of_all_levels": stored.triangles,
+            "vertices_of_all_levels": stored.vertices,
+            "max_error_m": stored.max_error_m,
+            "bytes": bytes,
+            "page_bytes": stored.page_bytes,
+            "bytes_per_face": bytes_per_face,
+            "source_bytes": source_bytes,
+            "read_s": read_s,
+            "hierarchy_s": hierarchy_s,
+            "build_s": build_s,
+        }));
+    }
+    out::row("database", args.output.display())?;
+    out::row("faces", format_args!("{}, {} vertices", text::count(faces), text::count(vertices)))?;
+    out::row(
+        "levels",
+        format_args!(
+            "{} triangles of all levels in {} nodes",
+            text::count(stored.triangles),
+            text::count(stored.nodes)
+        ),
+    )?;
+    out::row(
+        "size",
+        format_args!(
+            "{}, {} bytes a face; the source has {}",
+            text::bytes(bytes),
+            text::number(bytes_per_face),
+            text::bytes(source_bytes)
+        ),
+    )?;
+    out::row("vertices", format_args!("kept within {} m", text::number(stored.max_error_m)))?;
+    out::row(
+        "time",
+        format_args!(
+            "{} s, {} million faces a second",
+            text::number(build_s),
+            text::number(faces as f64 / build_s / 1e6)
+        ),
+    )?;
+    note(&format!("next: yamanami fly {} --budget 100000", args.output.display()));
+    Ok(())
+}

@@ -1,0 +1,20 @@
+//! A scanned model in the surface database: its nodes in memory-ready blocks, its clusters page by page.
+//!
+//! [`ClusterWriter`] writes a file, [`ClusterStore`] reads one, [`ClusterCodec`] turns single pages into bytes and back,
+//! [`put_in_order`] makes pages that take fewer bytes.
+
+mod codec;
+mod ids;
+mod meta;
+mod nodes;
+mod order;
+mod reader;
+mod triangles;
+mod vertices;
+mod writer;
+
+pub use codec::{ClusterCodec, PageShape};
+pub use meta::ClusterMeta;
+pub use order::put_in_order;
+pub use reader::ClusterStore;
+pub use writer::ClusterWriter;

@@ -1,0 +1,128 @@
+//! Reading a model's `.yama` file: nodes at once, pages on demand from any thread.
+
+use super::codec::{ClusterCodec, PageShape};
+use super::meta::ClusterMeta;
+use super::nodes::{BLOCK_NODES, BaseShape, unpack, unpack_base};
+use super::writer::{BASE_ROW, row_of};
+use crate::IoError;
+use crate::store::database::WholeFile;
+use crate::store::schema::{CLUSTER_TABLES, Content, read_meta, row_crc32};
+use rusqlite::{OptionalExtension, params};
+use std::path::Path;
+use yamanami_core::{BASE_CLUSTERS, ClusterNode, ClusterPage, GroupId};
+
+/// A row of the base mesh's page is the longest.
+const MAX_ROW_BYTES: i32 = 1 << 30;
+
+/// An open database of a model.
+#[derive(Debug)]
+pub struct ClusterStore {
+    file: WholeFile,
+    meta: ClusterMeta,
+    codec: ClusterCodec,
+    nodes: Vec<ClusterNode>,
+    base: BaseShape,
+}
+
+impl ClusterStore {
+    /// Whether a file, which must be a whole `.yama`, holds a model; else it holds a terrain.
+    pub fn is_model(path: impl AsRef<Path>) -> Result<bool, IoError> {
+        Ok(crate::store::database::content_of(path.as_ref())? == Content::Clusters)
+    }
+
+    /// Opens a file, checks that it is whole and of a version that is understood, and reads its nodes.
+    pub fn open(path: impl AsRef<Path>) -> Result<Self, IoError> {
+        let path = path.as_ref();
+        let file = WholeFile::open(path, Content::Clusters, &CLUSTER_TABLES, MAX_ROW_BYTES)?;
+        let meta = file
+            .with("database", read_meta)?
+            .and_then(|facts| facts.clusters())
+            .and_then(|meta| meta.check().map(|()| meta))
+            .map_err(|found| IoError::malformed(path, "table `meta`", "a model that can be", found))?;
+        let damaged = |row: i64| {
+            let place = if row == BASE_ROW { "base mesh".to_owned() } else { format!("nodes from {row} on") };
+            IoError::malformed(path, place, "whole nodes", "damaged ones")
+        };
+        let block = |row: i64| -> Result<Vec<u8>, IoError> {
+            let sql = "SELECT crc32, data FROM node_block WHERE id = ?1";
+            let found: Option<(i64, Vec<u8>)> = file.with("table `node_block`", |db| {
+                db.prepare_cached(sql)?.query_row(params![row], |row| Ok((row.get(0)?, row.get(1)?))).optional()
+            })?;
+            let sound = found.filter(|(crc32, bytes)| i64::from(row_crc32(row, bytes)) == *crc32);
+            sound.map(|(_, bytes)| bytes).ok_or_else(|| damaged(row))
+        };
+        let base = unpack_base(&block(BASE_ROW)?).ok_or_else(|| damaged(BASE_ROW))?;
+        let mut nodes = Vec::new();
+        let mut next_vertex = base.vertices;
+        let count = meta.nodes as usize;
+        for first in (0..count).step_by(BLOCK_NODES) {
+            let bytes = block(first as i64)?;
+            let some = unpack(first, BLOCK_NODES.min(count - first), &bytes, &mut next_vertex);
+            nodes.extend(some.ok_or_else(|| damaged(first as i64))?);
+        }
+        Ok(Self { codec: ClusterCodec::new(&meta), file, meta, nodes, base })
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        self.file.path()
+    }
+
+    /// What the file says of itself.
+    pub fn meta(&self) -> &ClusterMeta {
+        &self.meta
+    }
+
+    /// The nodes, parents first.
+    pub fn nodes(&self) -> &[ClusterNode] {
+        &self.nodes
+    }
+
+    /// Triangles in each cluster of the base mesh.
+    pub fn base_clusters(&self) -> &[u16] {
+        &self.base.clusters
+    }
+
+    /// A node's page, or the base mesh's ([`BASE_CLUSTERS`]).
+    pub fn page(&self, group: GroupId) -> Result<ClusterPage, IoError> {
+        let damaged = |found: &'static str| {
+            let place = if group == BASE_CLUSTERS { "base mesh".to_owned() } else { format!("page of node {group}") };
+            IoError::malformed(self.path(), place, "a whole page", found)
+        };
+        let shape = self.shape(group).ok_or_else(|| damaged("there is no such node"))?;
+        let bytes = self.file.page_bytes(row_of(group), MAX_ROW_BYTES as usize)?.map_err(damaged)?;
+        self.codec.decode(shape, &bytes).map_err(damaged)
+    }
+
+    /// What the nodes say of a page.
+    fn shape(&self, group: GroupId) -> Option<PageShape> {
+        let sum = |lengths: &[u16]| lengths.iter().map(|&n| u64::from(n)).sum();
+        if group == BASE_CLUSTERS {
+            let triangles = sum(&self.base.clusters);
+            let vertices = self.base.vertices;
+            return Some(PageShape { group, first_vertex: 0, vertices, triangles, replaced_triangles: 0 });
+        }
+        let node = self.nodes.get(group as usize)?;
+        let replaced = node.replaced.iter().map(|&(group, place)| {
+            let lengths = match group {
+                BASE_CLUSTERS => &self.base.clusters,
+                group => &self.nodes.get(group as usize)?.cluster_triangles,
+            };
+            lengths.get(usize::from(place)).map(|&n| u64::from(n))
+        });
+        Some(PageShape {
+            group,
+            first_vertex: node.first_vertex,
+            vertices: node.vertex_count,
+            triangles: sum(&node.cluster_triangles),
+            replaced_triangles: replaced.sum::<Option<u64>>()?,
+        })
+    }
+
+    /// Reads everything once: every page, every checksum.
+    pub fn verify(&self) -> Result<(), IoError> {
+        self.file.check_structure()?;
+        self.page(BASE_CLUSTERS)?;
+        (0..self.meta.nodes).try_for_each(|node| self.page(node).map(|_| ()))
+    }
+}
