@@ -90,7 +90,7 @@ fn pictures_equal_those_drawn_in_software() {
     let Some(gpu) = gpu() else { return };
     let mut hills = common::hills(90, 5000.0);
     let bounds = hills.bounds();
-    hills.colours = (0..hills.positions.len()).map(|i| [(i % 251) as u8, (i / 91 * 2 % 256) as u8, 120, 255]).collect();
+    hills.colours = (0..hills.positions.len()).map(|i| [(i % 91 * 2) as u8, (i / 91 * 2) as u8, 120, 255]).collect();
     let mut mesh = ResidentMesh::with_buffers(&gpu, ResidentBuffers::from_mesh(&hills));
     mesh.flush().unwrap();
     let mut renderer = Renderer::new(&gpu);
