@@ -229,8 +229,18 @@ fn real_files_stream_as_they_are_read_whole() {
         let whole = read_mesh(&path).unwrap();
         let mut stream = MeshStream::open(&path, scratch.path()).unwrap();
         let (mut positions, mut triangles) = (Vec::new(), Vec::new());
-        stream.each_vertex_run(&mut |run| Ok(positions.extend_from_slice(run.positions))).unwrap();
-        stream.each_triangle_run(&mut |run| Ok(triangles.extend_from_slice(run))).unwrap();
+        stream
+            .each_vertex_run(&mut |run| {
+                positions.extend_from_slice(run.positions);
+                Ok(())
+            })
+            .unwrap();
+        stream
+            .each_triangle_run(&mut |run| {
+                triangles.extend_from_slice(run);
+                Ok(())
+            })
+            .unwrap();
         assert!(positions == whole.positions && triangles == whole.triangles, "{}", path.display());
     }
 }
