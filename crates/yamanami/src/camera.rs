@@ -12,7 +12,7 @@ pub(crate) const FOV_Y_RAD: f64 = 0.698_131_700_797_731_8;
 pub fn overview(subject: &impl Subject, viewport_px: [u32; 2]) -> View {
     let bounds = subject.bounds();
     if subject.as_terrain().is_none() {
-        return model_views(bounds, 1, viewport_px)[0];
+        return model_views(&bounds.corners(), 1, viewport_px)[0];
     }
     let [east_m, north_m] = (bounds.max - bounds.min).truncate().to_array();
     let [low, high] = [bounds.min.z, bounds.max.z];

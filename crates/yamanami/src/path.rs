@@ -52,7 +52,7 @@ pub fn orbit(subject: &impl Subject, frames: usize, viewport_px: [u32; 2]) -> Ca
 /// A full turn around a model at one distance: the largest at which a ring of views must stand to hold all of it. The
 /// eye comes near and goes away once a turn, so that the front has something to follow.
 fn around(bounds: Aabb, frames: usize, viewport_px: [u32; 2]) -> CameraPath {
-    let ring = model_views(bounds, 4, viewport_px);
+    let ring = model_views(&bounds.corners(), 4, viewport_px);
     let centre = bounds.centre();
     let farthest_m = ring.iter().map(|v| v.eye.distance(centre)).fold(0.0, f64::max);
     let first = (ring[0].eye - centre).normalize();

@@ -1,10 +1,12 @@
 //! The controller against its oracle: after every frame of a moving view the incremental front is the greedy one.
 
 use glam::DVec3;
-use yamanami_core::{GeoReference, HeightField, Hierarchy, View};
+use yamanami_core::{GeoReference, HeightField, Hierarchy, Surface, View};
 use yamanami_lod::{Controller, Criteria, Front, PaperController, Staircase, Step, ViewCriterion, extract};
+use yamanami_multires::cluster::{ClusterOptions, ClusterSurface};
 use yamanami_multires::wavelet::{BuildOptions, GridData, TerrainSurface, build};
 use yamanami_testkit::laws::delta_law;
+use yamanami_testkit::ring;
 
 fn rough(width: usize, height: usize, step_m: f64) -> TerrainSurface<GridData> {
     let z = (0..width * height)
@@ -136,4 +138,63 @@ fn a_step_limit_stops_at_a_legal_front_and_gets_there_in_the_end() {
     }
     assert!(frames > 10);
     assert_eq!(controller.front().nodes(), extract(&surface, &wanted).nodes());
+}
+
+/// A ring of small clusters, so that a small mesh has many nodes.
+fn clusters() -> ClusterSurface {
+    let options = ClusterOptions { cluster_triangles: 24, group_clusters: 6, ..ClusterOptions::default() };
+    yamanami_multires::cluster::build(&ring(160, 70), &options).unwrap().into_surface().unwrap()
+}
+
+/// Flies around and through the ring.
+fn view_of_ring(i: usize) -> View {
+    let t = i as f64 * 0.05;
+    let eye = DVec3::new(6.0 * t.cos(), 5.0 * t.sin(), 2.0 * (0.3 * t).sin());
+    let target = DVec3::new(3.0 * (t + 1.0).cos(), 3.0 * (t + 1.0).sin(), 0.0);
+    View { eye, target, fov_y_rad: 0.8, viewport_px: [800, 600] }
+}
+
+fn of_ring(i: usize, tolerance_px: f32, cull: bool) -> Criteria {
+    Criteria { view: Some(ViewCriterion { view: view_of_ring(i), tolerance_px, cull }), ..Criteria::default() }
+}
+
+#[test]
+fn clusters_follow_the_oracle() {
+    let surface = clusters();
+    for cull in [false, true] {
+        follow(&surface, 150, |i| of_ring(i, 6.0, cull));
+        for budget in [700, 6000] {
+            follow(&surface, 150, |i| Criteria { budget_triangles: Some(budget), ..of_ring(i, 0.5, cull) });
+        }
+    }
+}
+
+#[test]
+fn deltas_of_clusters_can_be_stopped_anywhere_and_walked_back() {
+    let surface = clusters();
+    let mut controller = Controller::new(&surface);
+    for i in 0..12 {
+        let from = controller.front().nodes();
+        let mut steps = Vec::new();
+        let criteria = Criteria { budget_triangles: Some(4000), ..of_ring(i * 9, 2.0, true) };
+        controller.update(&surface, &criteria, |step, _| steps.push(kit_step(step)));
+        delta_law(&surface, &from, &controller.front().nodes(), &steps);
+    }
+}
+
+#[test]
+fn absent_pages_leave_coarser_places() {
+    let mut surface = clusters();
+    let absent: Vec<u32> = (0..surface.node_bound()).filter(|n| n % 7 == 3).collect();
+    for &node in &absent {
+        assert!(surface.remove(node).is_some());
+    }
+    let mut controller = Controller::new(&surface);
+    for i in 0..40 {
+        let report = controller.update(&surface, &of_ring(i, 1.0, true), |_, _| ());
+        assert!(report.wanted.iter().all(|n| absent.contains(n)), "{:?}", report.wanted);
+        assert_eq!(controller.front().nodes(), extract(&surface, &of_ring(i, 1.0, true)).nodes());
+        let mesh = surface.mesh_of(controller.front());
+        assert_eq!(mesh.triangles.len(), report.triangles);
+    }
 }

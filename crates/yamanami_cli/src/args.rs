@@ -3,10 +3,10 @@
 use crate::values;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
-use yamanami::core::{Crs, View};
+use yamanami::core::{Crs, TriangleMesh, View};
 use yamanami::gpu::Gpu;
 use yamanami::io::dem;
-use yamanami::{Criteria, DrawWith, Lod, OpenOptions, Staircase, Subject, ViewCriterion};
+use yamanami::{Criteria, DrawWith, Lod, OpenOptions, Staircase, Subject, ViewCriterion, turn_back_y_up, turn_y_up};
 
 /// How to read sources that do not say all about themselves.
 #[derive(Debug, Clone, Default, Args)]
@@ -99,6 +99,46 @@ pub(crate) struct EyeArgs {
     /// Point looked at, in the same coordinates
     #[arg(long, value_name = "X,Y,Z", value_parser = values::place, allow_hyphen_values = true, requires = "eye")]
     pub(crate) target: Option<[f64; 3]>,
+}
+
+/// Which way a model stands.
+#[derive(Debug, Clone, Copy, Default, Args)]
+#[command(next_help_heading = "View")]
+pub(crate) struct UpArgs {
+    /// The model's axis that points up in pictures
+    #[arg(long, value_enum, default_value_t, value_name = "AXIS")]
+    up: UpAxis,
+}
+
+/// Axes that may point up.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
+enum UpAxis {
+    /// As surveys have it
+    #[default]
+    Z,
+    /// As many modelling programs have it
+    Y,
+}
+
+impl UpArgs {
+    /// Turns a model upright.
+    pub(crate) fn turn(self, mesh: &mut TriangleMesh) {
+        if self.up == UpAxis::Y {
+            turn_y_up(mesh);
+        }
+    }
+
+    /// Turns it back into its file's axes.
+    pub(crate) fn turn_back(self, mesh: &mut TriangleMesh) {
+        if self.up == UpAxis::Y {
+            turn_back_y_up(mesh);
+        }
+    }
+
+    /// A place in the file's axes, turned upright.
+    pub(crate) fn place(self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+        if self.up == UpAxis::Y { [x, -z, y] } else { [x, y, z] }
+    }
 }
 
 /// What the camera sees.

@@ -101,6 +101,11 @@ fn misuse_is_exit_code_2() {
         "render @ --fov 0 -o %/m.png",
         "generate cone -o %/c.tif --size 1x5",
         "generate cone -o %/c.tif --holes everywhere",
+        "generate cone -o %/c.tif --faces 5000",
+        "generate pagoda -o %/p.ply --faces 1999",
+        "generate pagoda -o %/p.ply --faces 20000001",
+        "generate pagoda -o %/p.ply --holes discs:3",
+        "generate pagoda -o %/p.ply --relief 20",
     ] {
         let output = run(folder, arguments);
         assert_eq!(output.status.code(), Some(2), "{arguments}");

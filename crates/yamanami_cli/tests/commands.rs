@@ -40,6 +40,27 @@ fn info_tells_a_dem_a_database_and_a_mesh() {
 }
 
 #[test]
+fn info_tells_what_is_wrong_with_a_scan() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    // a tetrahedron with its first face twice, a face with a corner twice, and two vertices too many, one of them lost
+    let scan = "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float y\nproperty float z\n\
+        property uchar red\nproperty uchar green\nproperty uchar blue\nelement face 6\n\
+        property list uchar int vertex_indices\nend_header\n0 0 0 9 9 9\n1 0 0 9 9 9\n0 1 0 9 9 9\n0 0 1 9 9 9\n\
+        nan 0 0 9 9 9\n5 5 5 9 9 9\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n3 2 1 0\n3 1 1 0\n";
+    std::fs::write(folder.join("scan.ply"), scan).unwrap();
+    let told = json(folder, "info %/scan.ply");
+    let numbers = ["faces", "vertices", "components", "open_edges", "non_manifold_edges", "duplicate_faces"];
+    assert_eq!(numbers.map(|name| told[name].as_u64().unwrap()), [6, 5, 1, 0, 3, 1]);
+    let numbers = ["repeated_corner_faces", "zero_area_faces", "isolated_vertices", "unwelded_places"];
+    assert_eq!(numbers.map(|name| told[name].as_u64().unwrap()), [1, 0, 1, 0]);
+    assert_eq!((told["has_colours"].as_bool(), told["has_texcoords"].as_bool()), (Some(true), Some(false)));
+    let text = stdout(folder, "info %/scan.ply");
+    assert!(text.contains("3 non-manifold edges, 1 duplicate faces, 1 faces with a repeated corner"), "{text}");
+    assert!(text.contains("1 vertices without a place left out"), "{text}");
+}
+
+#[test]
 fn extracted_meshes_keep_their_promise_at_every_sample() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
@@ -196,6 +217,18 @@ fn generated_terrain_is_read_back() {
     assert_eq!(json(folder, "info %/c.asc")["max_m"], 80.0);
     stdout(folder, "build %/f.tif -o %/f.yama");
     assert_eq!(json(folder, "extract %/f.yama --tolerance 5 --check -o %/f.ply")["check"]["conforming"], true);
+}
+
+#[test]
+fn a_generated_pagoda_is_read_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let text = stdout(folder, "generate pagoda -o %/p.ply --faces 30000");
+    assert!(text.contains("--eye"), "{text}");
+    let info = json(folder, "info %/p.ply");
+    let faces = info["faces"].as_u64().unwrap();
+    assert!(faces.abs_diff(30_000) <= 300, "{info}");
+    stdout(folder, "generate pagoda -o %/holed.stl --faces 5000 --holes occluded --noise 0 --seed 3");
 }
 
 #[test]

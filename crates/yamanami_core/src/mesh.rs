@@ -73,6 +73,14 @@ impl Aabb {
         (self.min + self.max) * 0.5
     }
 
+    /// Its eight corners.
+    pub fn corners(&self) -> [DVec3; 8] {
+        std::array::from_fn(|k| {
+            let side = |axis: usize| if k >> axis & 1 == 0 { self.min[axis] } else { self.max[axis] };
+            DVec3::new(side(0), side(1), side(2))
+        })
+    }
+
     /// Length of the diagonal.
     pub fn diagonal(&self) -> f64 {
         (self.max - self.min).length()

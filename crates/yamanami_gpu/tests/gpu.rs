@@ -9,8 +9,8 @@ use image::RgbaImage;
 use std::sync::Arc;
 use yamanami_core::{MeshMirror, Sink};
 use yamanami_gpu::{
-    ColourBy, Drape, Gpu, GpuError, MeshContents, Morph, RenderOptions, Renderer, ResidentBuffers, ResidentMesh,
-    TRIANGLE_BYTES, VERTEX_BYTES, Wireframe, software,
+    ColourBy, Drape, Gpu, GpuError, Haze, MeshContents, Morph, RenderOptions, Renderer, ResidentBuffers, ResidentMesh,
+    Shading, TRIANGLE_BYTES, VERTEX_BYTES, Wireframe, software,
 };
 
 fn gpu() -> Option<Gpu> {
@@ -88,8 +88,9 @@ fn check_read_back(gpu: &Gpu, slack: u64) {
 #[test]
 fn pictures_equal_those_drawn_in_software() {
     let Some(gpu) = gpu() else { return };
-    let hills = common::hills(90, 5000.0);
+    let mut hills = common::hills(90, 5000.0);
     let bounds = hills.bounds();
+    hills.colours = (0..hills.positions.len()).map(|i| [(i % 91 * 2) as u8, (i / 91 * 2) as u8, 120, 255]).collect();
     let mut mesh = ResidentMesh::with_buffers(&gpu, ResidentBuffers::from_mesh(&hills));
     mesh.flush().unwrap();
     let mut renderer = Renderer::new(&gpu);
@@ -105,9 +106,14 @@ fn pictures_equal_those_drawn_in_software() {
         ("level", RenderOptions { colour: ColourBy::Level, ..base.clone() }),
         ("drape", RenderOptions { colour: ColourBy::Drape, drape: Some(Arc::new(drape)), ..base.clone() }),
         ("wire", RenderOptions { wireframe: Some(Wireframe::default()), ..base.clone() }),
+        ("painted", RenderOptions { colour: ColourBy::Vertex, ..base.clone() }),
+        ("flat", RenderOptions { flat: true, ..base.clone() }),
+        ("model", RenderOptions { shading: Shading::Model, haze: Haze::None, ..base.clone() }),
+        ("flat model", RenderOptions { shading: Shading::Model, flat: true, ..base.clone() }),
         ("morph", RenderOptions { morph: Some(Morph { tau_px: 2.0, width: 0.5 }), ..base.clone() }),
     ];
-    let views = [DVec3::new(0.3, -0.9, 0.6), DVec3::new(0.05, -0.1, 0.09), DVec3::new(-0.2, 0.1, 1.1)];
+    // from beside, near, above and below
+    let views = [(0.3, -0.9, 0.6), (0.05, -0.1, 0.09), (-0.2, 0.1, 1.1), (0.4, 0.5, -0.7)].map(DVec3::from);
     for (name, options) in styles {
         for from in views {
             let view = common::view_of(&hills, from, [320, 200]);

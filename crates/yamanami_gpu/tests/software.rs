@@ -7,7 +7,7 @@ use image::RgbaImage;
 use std::sync::Arc;
 use yamanami_core::{TriangleMesh, View};
 use yamanami_gpu::{
-    Background, ColourBy, Drape, GpuError, Haze, Morph, RenderOptions, ResidentBuffers, Wireframe, software,
+    Background, ColourBy, Drape, GpuError, Haze, Morph, RenderOptions, ResidentBuffers, Shading, Wireframe, software,
 };
 
 const RED: [u8; 3] = [255, 0, 0];
@@ -191,4 +191,78 @@ fn odd_input_is_an_error_or_a_picture_never_a_panic() {
         ..TriangleMesh::default()
     };
     assert!(software::render_to_image(&ResidentBuffers::from_mesh(&broken), &view, &options).is_ok());
+}
+
+/// A square of 2 x 2 m in the plane x = 0 with its outside to the east, its halves red and blue.
+fn board() -> TriangleMesh {
+    let positions = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(y, z)| DVec3::new(0.0, y, z));
+    let red = [200, 0, 0, 255];
+    let mut mesh = TriangleMesh::new(positions.into(), vec![[0, 1, 2], [0, 2, 3]]);
+    mesh.colours = vec![red, red, red, [0, 0, 200, 255]];
+    mesh
+}
+
+fn from(eye: DVec3) -> View {
+    View { eye, target: DVec3::ZERO, fov_y_rad: 0.6, viewport_px: [64, 64] }
+}
+
+#[test]
+fn models_show_their_colours_and_their_insides_darker() {
+    let buffers = ResidentBuffers::from_mesh(&board());
+    let style = RenderOptions {
+        colour: ColourBy::Vertex,
+        shading: Shading::Model,
+        haze: Haze::None,
+        ..RenderOptions::default()
+    };
+    let outside = software::render_to_image(&buffers, &from(DVec3::X * 5.0), &style).unwrap();
+    let inside = software::render_to_image(&buffers, &from(DVec3::X * -5.0), &style).unwrap();
+    // the red half is at the lower right from outside, at the lower left from within
+    let (front, back) = (outside.get_pixel(40, 40).0, inside.get_pixel(23, 40).0);
+    assert!(front[0] > 150 && front[1] < 10 && front[2] < 10, "{front:?}");
+    assert!(back[0] < front[0] - front[0] / 4 && back[0] > 40 && back[2] < 10, "{back:?}");
+    let blue = outside.get_pixel(18, 18).0;
+    assert!(blue[2] > blue[0], "{blue:?}");
+}
+
+#[test]
+fn flat_shading_does_not_ask_the_vertices() {
+    let mut mesh = board();
+    let options = RenderOptions { flat: true, shading: Shading::Model, ..on_red() };
+    let draw = |mesh: &TriangleMesh, flat| {
+        let options = RenderOptions { flat, ..options.clone() };
+        software::render_to_image(&ResidentBuffers::from_mesh(mesh), &from(DVec3::X * 5.0), &options).unwrap()
+    };
+    let (flat, smooth) = (draw(&mesh, true), draw(&mesh, false));
+    assert_eq!(flat, smooth, "the board is flat");
+    mesh.normals = vec![[0.0, 1.0, 0.0]; 4];
+    assert_eq!(draw(&mesh, true), flat);
+    assert_ne!(draw(&mesh, false), flat);
+}
+
+#[test]
+fn tiny_models_are_drawn_like_large_ones() {
+    let draw = |scale: f64| {
+        let mut mesh = board();
+        mesh.positions.iter_mut().for_each(|p| *p *= scale);
+        let view = from(DVec3::new(4.0, -3.0, 2.0) * scale);
+        let options = RenderOptions { shading: Shading::Model, ..on_red() };
+        software::render_to_image(&ResidentBuffers::from_mesh(&mesh), &view, &options).unwrap()
+    };
+    assert_eq!(draw(1.0), draw(2f64.powi(-17)));
+}
+
+#[test]
+fn a_view_sees_what_is_in_front() {
+    // a small board behind a large one, and one beside it
+    let mut mesh = board();
+    let behind = board();
+    for (offset, scale) in [(DVec3::new(-1.0, 0.0, 0.0), 0.5), (DVec3::new(-1.0, 1.6, 0.0), 0.3)] {
+        let first = mesh.positions.len() as u32;
+        mesh.positions.extend(behind.positions.iter().map(|&p| p * scale + offset));
+        mesh.triangles.extend(behind.triangles.iter().map(|t| t.map(|c| c + first)));
+    }
+    let seen = software::visibility(&ResidentBuffers::from_mesh(&mesh), &from(DVec3::X * 5.0)).unwrap();
+    assert_eq!(seen.may_be_seen, [true, true, false, false, true, true]);
+    assert!(seen.samples[0] > 100 && seen.samples[2] == 0 && seen.samples[4] > 10, "{:?}", seen.samples);
 }

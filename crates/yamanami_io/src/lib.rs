@@ -7,6 +7,7 @@ pub mod crs;
 pub mod dem;
 mod error;
 pub mod mesh_file;
+pub mod scratch;
 pub mod store;
 
 pub use error::IoError;

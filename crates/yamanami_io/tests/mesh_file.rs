@@ -7,7 +7,7 @@ use yamanami_core::TriangleMesh;
 use yamanami_io::IoError;
 use yamanami_io::mesh_file::{MeshMeta, read_mesh, read_mesh_from_bytes, write_mesh};
 
-const FORMATS: [&str; 4] = ["ply", "obj", "stl", "glb"];
+const FORMATS: [&str; 5] = ["ply", "obj", "stl", "glb", "off"];
 
 fn meta() -> MeshMeta {
     MeshMeta {
@@ -57,6 +57,7 @@ fn line(name: &str, bytes: &[u8]) -> String {
 fn double_precision_formats_keep_every_bit() {
     assert_eq!(through(&pyramid(), "ply"), pyramid());
     assert_eq!(through(&pyramid(), "obj"), pyramid());
+    assert_eq!(through(&pyramid(), "off"), pyramid());
 }
 
 #[test]
@@ -87,7 +88,7 @@ fn every_format_leaves_the_old_file_when_it_cannot_write() {
     let nowhere = folder.path().join("absent").join("mesh.ply");
     assert!(matches!(write_mesh(nowhere, &pyramid(), &meta()), Err(IoError::Io { .. })));
     let line = write_mesh("mesh.fbx", &pyramid(), &meta()).unwrap_err().to_string();
-    assert_eq!(line, "mesh.fbx: 'fbx' is not a mesh format known here; use .ply, .obj, .stl or .glb");
+    assert_eq!(line, "mesh.fbx: 'fbx' is not a mesh format known here; use .ply, .obj, .stl, .off, .glb or .gltf");
 }
 
 #[test]
@@ -308,6 +309,7 @@ proptest! {
     fn any_mesh_comes_back(mesh in meshes()) {
         prop_assert_eq!(&through(&mesh, "ply"), &mesh);
         prop_assert_eq!(&through(&mesh, "obj"), &mesh);
+        prop_assert_eq!(&through(&mesh, "off"), &mesh);
         let size = mesh.bounds().diagonal().max(1.0);
         for format in ["stl", "glb"] {
             let back = through(&mesh, format);
@@ -323,7 +325,7 @@ proptest! {
     #[test]
     fn damaged_files_never_panic(
         mesh in meshes(),
-        format in 0..4usize,
+        format in 0..5usize,
         cut in any::<prop::sample::Index>(),
         hits in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 0..8),
     ) {
@@ -338,8 +340,9 @@ proptest! {
     }
 
     #[test]
-    fn noise_never_panics(noise in prop::collection::vec(any::<u8>(), 0..300), format in 0..4usize) {
-        let starts: [&[u8]; 4] = [b"ply\nformat ascii 1.0\n", b"v 1 2 3\nf ", b"solid ", b"glTF\x02\0\0\0"];
+    fn noise_never_panics(noise in prop::collection::vec(any::<u8>(), 0..300), format in 0..5usize) {
+        let starts: [&[u8]; 5] =
+            [b"ply\nformat ascii 1.0\n", b"v 1 2 3\nf ", b"solid ", b"glTF\x02\0\0\0", b"COFF\n3 1 0\n"];
         let bytes = [starts[format], &noise].concat();
         let _ = read_mesh_from_bytes(format!("a.{}", FORMATS[format]), &bytes);
         let _ = read_mesh_from_bytes(format!("a.{}", FORMATS[format]), &noise);

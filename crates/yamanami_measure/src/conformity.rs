@@ -3,6 +3,7 @@
 //! Vertices at equal positions are one vertex here, so a mesh without shared indices is judged fairly. A crack whose
 //! sides meet in plan shows as T-vertices or, where the heights differ, as further border loops.
 
+use crate::places::{places, used};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use yamanami_core::TriangleMesh;
@@ -75,11 +76,11 @@ impl std::fmt::Display for ConformityReport {
 /// # Panics
 /// When a triangle names a vertex that the mesh does not have.
 pub fn conformity(mesh: &TriangleMesh) -> ConformityReport {
-    let (vertex, used) = weld(mesh);
+    let vertex = places(mesh);
     let (degenerate, flipped) = turns(mesh);
     let mut report = ConformityReport {
         triangles: mesh.triangles.len(),
-        vertices: used,
+        vertices: used(mesh, &vertex),
         degenerate,
         flipped,
         ..ConformityReport::default()
@@ -110,25 +111,6 @@ pub fn conformity(mesh: &TriangleMesh) -> ConformityReport {
     report
 }
 
-/// For each vertex the first of those at its position, and how many positions triangles use.
-fn weld(mesh: &TriangleMesh) -> (Vec<u32>, usize) {
-    let bits = |p: DVec3| (p + DVec3::ZERO).to_array().map(f64::to_bits); // adding zero makes -0 and 0 equal
-    let mut order: Vec<u32> = (0..mesh.positions.len() as u32).collect();
-    order.par_sort_unstable_by_key(|&i| (bits(mesh.positions[i as usize]), i));
-    let mut vertex = vec![0; mesh.positions.len()];
-    let same = |a: &u32, b: &u32| bits(mesh.positions[*a as usize]) == bits(mesh.positions[*b as usize]);
-    for run in order.chunk_by(same) {
-        for &i in run {
-            vertex[i as usize] = run[0];
-        }
-    }
-    let mut used = vec![false; mesh.positions.len()];
-    for &i in mesh.triangles.iter().flatten() {
-        used[vertex[i as usize] as usize] = true;
-    }
-    (vertex, used.iter().filter(|&&u| u).count())
-}
-
 /// Numbers of degenerate and of clockwise triangles.
 fn turns(mesh: &TriangleMesh) -> (usize, usize) {
     let turn = |t: usize| {
@@ -145,7 +127,7 @@ fn turns(mesh: &TriangleMesh) -> (usize, usize) {
 }
 
 /// Connected components of a set of edges.
-fn connected_runs(edges: &[[u32; 2]]) -> usize {
+pub(crate) fn connected_runs(edges: &[[u32; 2]]) -> usize {
     let mut ends: Vec<u32> = edges.iter().flatten().copied().collect();
     ends.sort_unstable();
     ends.dedup();

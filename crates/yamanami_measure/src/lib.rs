@@ -1,22 +1,27 @@
 //! Errors between surfaces and between pictures.
 //!
 //! [`vertical_error`] holds a terrain mesh against every sample of its height field, [`conformity`] looks for cracks,
-//! T-vertices and flipped triangles, [`surface_distance`] gives the two-sided distance of any two meshes, [`ssim`] and
-//! [`flip`] compare pictures, and [`plot`] draws what was measured.
+//! T-vertices and flipped triangles, [`mesh_defects`] for what is wrong with a scan, [`surface_distance`] gives the
+//! two-sided distance of any two meshes, [`ssim`] and [`flip`] compare pictures, and [`plot`] draws what was measured.
 #![forbid(unsafe_code)]
 
 mod bvh;
 mod conformity;
+mod covered;
+mod defects;
 mod distance;
 mod error;
 mod flip;
 mod picture;
+mod places;
 pub mod plot;
 mod ssim;
 mod vertical;
 
 pub use bvh::{Closest, SurfaceIndex};
 pub use conformity::{ConformityReport, conformity};
+pub use covered::{ModelDifference, model_difference};
+pub use defects::{MeshDefects, mesh_defects};
 pub use distance::{OneWayDistance, SurfaceDistance, surface_distance};
 pub use error::MeasureError;
 pub use flip::{FLIP_PIXELS_PER_DEGREE, FlipReport, flip};

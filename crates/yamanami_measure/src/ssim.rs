@@ -9,6 +9,8 @@ use image::RgbaImage;
 use rayon::prelude::*;
 
 const WINDOW: usize = 11;
+/// Least width and height of a picture.
+pub(crate) const LEAST_SIDE: u32 = WINDOW as u32;
 const SIGMA_PX: f64 = 1.5;
 const C1: f64 = (0.01 * 255.0) * (0.01 * 255.0);
 const C2: f64 = (0.03 * 255.0) * (0.03 * 255.0);
@@ -16,9 +18,29 @@ const C2: f64 = (0.03 * 255.0) * (0.03 * 255.0);
 /// Mean structural similarity: 1 for equal pictures, less the more they differ. Alpha is ignored. Both pictures are of
 /// one size, at least 11×11.
 pub fn ssim(a: &RgbaImage, b: &RgbaImage) -> Result<f64, MeasureError> {
+    let (map, columns) = ssim_map(a, b)?;
+    let rows: Vec<f64> = map.par_chunks(columns).map(|row| row.iter().sum()).collect();
+    Ok(rows.iter().sum::<f64>() / map.len() as f64)
+}
+
+/// Mean structural similarity of the windows in the middle of which these pixels lie, numbered row by row; 1 where no
+/// pixel is the middle of a whole window.
+pub(crate) fn ssim_at(a: &RgbaImage, b: &RgbaImage, pixels: &[usize]) -> Result<f64, MeasureError> {
+    let (map, columns) = ssim_map(a, b)?;
+    let (width, border) = (a.width() as usize, WINDOW / 2);
+    let window = |&pixel: &usize| {
+        let (column, row) = ((pixel % width).checked_sub(border)?, (pixel / width).checked_sub(border)?);
+        if column < columns { map.get(row * columns + column) } else { None }
+    };
+    let (sum, count) = pixels.iter().filter_map(window).fold((0.0, 0u64), |(sum, count), v| (sum + v, count + 1));
+    Ok(if count == 0 { 1.0 } else { sum / count as f64 })
+}
+
+/// The similarity of every whole window, row by row, and how many there are in a row.
+fn ssim_map(a: &RgbaImage, b: &RgbaImage) -> Result<(Vec<f64>, usize), MeasureError> {
     let [width, height] = common_size(a, b)?;
     if width < WINDOW || height < WINDOW {
-        return Err(MeasureError::TooSmall { least: WINDOW as u32, given: [a.width(), a.height()] });
+        return Err(MeasureError::TooSmall { least: LEAST_SIDE, given: [a.width(), a.height()] });
     }
     let (a, b) = (luma(a), luma(b));
     let weights = window();
@@ -36,10 +58,11 @@ pub fn ssim(a: &RgbaImage, b: &RgbaImage) -> Result<f64, MeasureError> {
             })
         })
         .collect();
-    let rows: Vec<f64> = (0..height - WINDOW + 1)
+    let map = (0..height - WINDOW + 1)
         .into_par_iter()
-        .map(|row| {
-            let similarity = |column: usize| {
+        .flat_map_iter(|row| {
+            let moments = &moments;
+            (0..columns).map(move |column| {
                 let mut m = [0.0; 5];
                 for (k, w) in weights.iter().enumerate() {
                     let line = moments[(row + k) * columns + column];
@@ -50,11 +73,10 @@ pub fn ssim(a: &RgbaImage, b: &RgbaImage) -> Result<f64, MeasureError> {
                 let [ma, mb, aa, bb, ab] = m;
                 let (var_a, var_b, covariance) = (aa - ma * ma, bb - mb * mb, ab - ma * mb);
                 (2.0 * ma * mb + C1) * (2.0 * covariance + C2) / ((ma * ma + mb * mb + C1) * (var_a + var_b + C2))
-            };
-            (0..columns).map(similarity).sum()
+            })
         })
         .collect();
-    Ok(rows.iter().sum::<f64>() / (columns * rows.len()) as f64)
+    Ok((map, columns))
 }
 
 /// Luma (ITU-R BT.601) of all pixels, 0..=255.

@@ -3,6 +3,7 @@
 //! [`SyntheticTerrain`] makes height fields of any size, whole or by windows. [`laws`] holds the contracts of
 //! [`yamanami_core::Hierarchy`] and [`yamanami_core::Surface`] as checks that panic with what was broken and where, so
 //! that a law is written once and run over every method. [`RandomFront`] wanders through the legal fronts of a hierarchy.
+//! [`models`] makes small closed and open surfaces; [`Pagoda`] is a made laser scan of a building, up to 20 million triangles.
 #![forbid(unsafe_code)]
 
 mod conforming;
@@ -10,13 +11,18 @@ mod fractal;
 mod front;
 mod holes;
 pub mod laws;
+pub mod models;
+mod pagoda;
 pub mod rng;
+mod solid;
 mod strict_sink;
 mod terrain;
 
 pub use conforming::check_conforming;
 pub use front::{RandomFront, Step};
 pub use holes::Holes;
+pub use pagoda::{Pagoda, Region};
 pub use rng::Rng;
+pub use solid::{ball, ring, torus};
 pub use strict_sink::StrictSink;
 pub use terrain::{Shape, Spacing, SyntheticTerrain};

@@ -31,7 +31,7 @@ says which one bound.")]
 pub(crate) struct ExtractArgs {
     #[command(flatten)]
     source: SourceArgs,
-    /// The mesh to write: .glb, .ply, .obj or .stl
+    /// The mesh to write: .glb, .ply, .obj, .stl or .off
     #[arg(short, long, value_name = "FILE", help_heading = "Results")]
     output: PathBuf,
     #[command(flatten)]
@@ -62,7 +62,7 @@ enum FrameName {
 }
 
 pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
-    inputs::check_output(&args.output, &["glb", "ply", "obj", "stl"], &args.source.sources)?;
+    inputs::check_output(&args.output, &["glb", "ply", "obj", "stl", "off"], &args.source.sources)?;
     if !args.fineness.is_given() && args.eye.eye.is_none() {
         return Err(Failure::misuse(
             "how fine? give --tolerance M, --tolerance-px P, --budget N or a view (--tolerance 0 gives every sample)",

@@ -1,4 +1,4 @@
-//! `generate`: synthetic terrain of any size, for trying and timing.
+//! `generate`: synthetic terrain of any size, and a made scan of a pagoda, for trying and timing.
 
 use crate::failure::Failure;
 use crate::progress::Bar;
@@ -6,51 +6,92 @@ use crate::{inputs, out, text, values};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use yamanami::io::dem;
-use yamanami_testkit::{Holes, Shape, Spacing, SyntheticTerrain};
+use yamanami::io::mesh_file::{MeshMeta, write_mesh};
+use yamanami_testkit::{Holes, Pagoda, Shape, Spacing, SyntheticTerrain};
 
-/// Make synthetic terrain of any size
+/// Make synthetic terrain, or the scan of a pagoda, of any size
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   yamanami generate fractal -o hills.tif --size 1025x1025 --spacing 30
   yamanami generate fractal -o big.tif --size 8193x8193 --seed 7 --round 1
   yamanami generate fractal -o island.tif --holes discs:20     with twenty round holes
-  yamanami generate cone -o cone.asc --size 101x77 --spacing 0.5")]
+  yamanami generate cone -o cone.asc --size 101x77 --spacing 0.5
+  yamanami generate pagoda -o pagoda.ply --faces 5000000
+  yamanami generate pagoda -o holed.ply --faces 1000000 --holes occluded    with a scan's defects")]
 pub(crate) struct GenerateArgs {
-    /// The form of the ground
+    /// The form of the ground, or a building
     #[arg(value_enum)]
     kind: Kind,
-    /// The file to write: .tif (32-bit floats) or .asc
+    /// The file to write: .tif (32-bit floats) or .asc; of a pagoda .ply, .obj, .stl or .glb
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Columns and rows
-    #[arg(long, value_name = "WxH", default_value = "513x513", value_parser = values::grid_size)]
-    size: [usize; 2],
-    /// Metres between samples
-    #[arg(long, value_name = "M", default_value_t = 30.0, value_parser = values::positive)]
-    spacing: f64,
+    /// Which of all such terrains or scans
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// No-data: none, discs:COUNT, border:SAMPLES, speckle:SHARE or diagonal; of a pagoda none or occluded: what a scanner
+    /// cannot see is open, some triangles are doubled or stray
+    #[arg(long, value_name = "HOLES", default_value = "none", value_parser = holes)]
+    holes: HolePattern,
+    #[command(flatten)]
+    terrain: TerrainArgs,
+    #[command(flatten)]
+    scan: ScanArgs,
+}
+
+/// What only terrain has.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Terrain")]
+struct TerrainArgs {
+    /// Columns and rows [default: 513x513]
+    #[arg(long, value_name = "WxH", value_parser = values::grid_size)]
+    size: Option<[usize; 2]>,
+    /// Metres between samples [default: 30]
+    #[arg(long, value_name = "M", value_parser = values::positive)]
+    spacing: Option<f64>,
     /// Arc seconds between samples instead: a grid of longitude and latitude
     #[arg(long, value_name = "SECONDS", value_parser = values::positive, conflicts_with = "spacing")]
     arc_seconds: Option<f64>,
-    /// About this many metres from lowest to highest
-    #[arg(long, value_name = "M", default_value_t = 1000.0, value_parser = values::not_negative)]
-    relief: f64,
-    /// Roughness of fractal ground, 0 to 1: 0.5 is mountains, 0.9 nearly noise
-    #[arg(long, value_name = "SHARE", default_value_t = 0.5, value_parser = values::share)]
-    roughness: f64,
-    /// Which of all such terrains
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    seed: u64,
+    /// About this many metres from lowest to highest [default: 1000]
+    #[arg(long, value_name = "M", value_parser = values::not_negative)]
+    relief: Option<f64>,
+    /// Roughness of fractal ground, 0 to 1: 0.5 is mountains, 0.9 nearly noise [default: 0.5]
+    #[arg(long, value_name = "SHARE", value_parser = values::share)]
+    roughness: Option<f64>,
     /// Round heights to multiples of so many metres, as integer files have them
     #[arg(long, value_name = "M", value_parser = values::positive)]
     round: Option<f64>,
-    /// No-data: none, discs:COUNT, border:SAMPLES, speckle:SHARE or diagonal
-    #[arg(long, value_name = "HOLES", default_value = "none", value_parser = holes)]
-    holes: HolePattern,
 }
 
-/// Forms of ground.
-#[derive(Debug, Clone, Copy, ValueEnum)]
+impl TerrainArgs {
+    fn any(&self) -> bool {
+        let numbers = [self.spacing, self.arc_seconds, self.relief, self.roughness, self.round];
+        self.size.is_some() || numbers.iter().any(Option::is_some)
+    }
+}
+
+/// What only the scan of a building has.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Pagoda")]
+struct ScanArgs {
+    /// How many triangles, within 1 %: 2000 to 20000000 [default: 1000000]
+    #[arg(long, value_name = "N", value_parser = faces)]
+    faces: Option<usize>,
+    /// How far the scanner's noise moves a point, at most [default: 0.15 of a triangle's side]
+    #[arg(long, value_name = "M", value_parser = values::not_negative)]
+    noise: Option<f64>,
+}
+
+fn faces(text: &str) -> Result<usize, String> {
+    let (fewest, most) = (Pagoda::FEWEST_FACES, Pagoda::MOST_FACES);
+    match text.replace(['_', ','], "").parse() {
+        Ok(n) if (fewest..=most).contains(&n) => Ok(n),
+        _ => Err(format!("expected a whole number from {fewest} to {most}")),
+    }
+}
+
+/// What can be made.
+#[derive(Debug, Clone, Copy, PartialEq, ValueEnum)]
 enum Kind {
     /// Relief at all scales
     Fractal,
@@ -66,6 +107,8 @@ enum Kind {
     Flat,
     /// Level ground with one sample sticking out
     Spike,
+    /// The laser scan of a five-storey pagoda: tiles, brackets, railings
+    Pagoda,
 }
 
 /// Patterns of no-data, before the seed is known.
@@ -76,6 +119,7 @@ enum HolePattern {
     Border(usize),
     Speckle(f64),
     Diagonal,
+    Occluded,
 }
 
 fn holes(text: &str) -> Result<HolePattern, String> {
@@ -84,20 +128,28 @@ fn holes(text: &str) -> Result<HolePattern, String> {
     let pattern = match name {
         "none" if amount.is_none() => Some(HolePattern::None),
         "diagonal" if amount.is_none() => Some(HolePattern::Diagonal),
+        "occluded" if amount.is_none() => Some(HolePattern::Occluded),
         "discs" => count(10).map(HolePattern::Discs),
         "border" => count(8).map(HolePattern::Border),
         "speckle" => amount.map_or(Some(0.02), |a| values::share(a).ok()).map(HolePattern::Speckle),
         _ => None,
     };
-    pattern.ok_or_else(|| "expected none, discs:COUNT, border:SAMPLES, speckle:SHARE or diagonal".to_owned())
+    pattern.ok_or_else(|| "expected none, discs:COUNT, border:SAMPLES, speckle:SHARE, diagonal or occluded".to_owned())
 }
 
 pub(crate) fn run(args: &GenerateArgs) -> Result<(), Failure> {
+    if args.kind == Kind::Pagoda {
+        return pagoda(args);
+    }
+    if args.scan.faces.is_some() || args.scan.noise.is_some() || args.holes == HolePattern::Occluded {
+        return Err(Failure::misuse("--faces, --noise and --holes occluded are for a pagoda"));
+    }
     inputs::check_output(&args.output, &["tif", "tiff", "asc"], &[])?;
-    let [width, height] = args.size;
-    let relief_m = args.relief as f32;
+    let order = &args.terrain;
+    let [width, height] = order.size.unwrap_or([513, 513]);
+    let relief_m = order.relief.unwrap_or(1000.0) as f32;
     let shape = match args.kind {
-        Kind::Fractal => Shape::Fractal { relief_m, roughness: args.roughness as f32, seed: args.seed },
+        Kind::Fractal => Shape::Fractal { relief_m, roughness: order.roughness.unwrap_or(0.5) as f32, seed: args.seed },
         Kind::Ridge => Shape::Ridge { relief_m },
         Kind::Cone => Shape::Cone { relief_m },
         Kind::Cliff => Shape::Cliff { relief_m },
@@ -105,13 +157,14 @@ pub(crate) fn run(args: &GenerateArgs) -> Result<(), Failure> {
             let fall = -0.5 * relief_m;
             Shape::Plane { at_origin_m: relief_m, slope_m: [fall / (width - 1) as f32, fall / (height - 1) as f32] }
         }
-        Kind::Flat => Shape::Flat { z_m: relief_m },
+        // a pagoda has been dealt with
+        Kind::Flat | Kind::Pagoda => Shape::Flat { z_m: relief_m },
         Kind::Spike => Shape::Spike { column: width / 2, row: height / 2, z_m: relief_m },
     };
-    let spacing = args.arc_seconds.map_or(Spacing::Metres(args.spacing), Spacing::ArcSeconds);
+    let spacing = order.arc_seconds.map_or(Spacing::Metres(order.spacing.unwrap_or(30.0)), Spacing::ArcSeconds);
     let seed = args.seed;
     let holes = match args.holes {
-        HolePattern::None => Holes::None,
+        HolePattern::None | HolePattern::Occluded => Holes::None,
         HolePattern::Discs(count) => Holes::Discs { count, seed },
         HolePattern::Border(samples) => Holes::Border { samples },
         HolePattern::Speckle(share) => Holes::Speckle { share, seed },
@@ -119,7 +172,7 @@ pub(crate) fn run(args: &GenerateArgs) -> Result<(), Failure> {
     };
     let bar = Bar::spinner("generating");
     let mut terrain = SyntheticTerrain::new(width, height, shape, spacing).with_holes(holes);
-    if let Some(step_m) = args.round {
+    if let Some(step_m) = order.round {
         terrain = terrain.rounded_to(step_m as f32);
     }
     let field = terrain.to_field();
@@ -140,6 +193,40 @@ pub(crate) fn run(args: &GenerateArgs) -> Result<(), Failure> {
         format_args!("{width} x {height}, {} without data", text::count(field.no_data_count() as u64)),
     )?;
     out::row("heights", range)
+}
+
+fn pagoda(args: &GenerateArgs) -> Result<(), Failure> {
+    inputs::check_output(&args.output, &["ply", "obj", "stl", "glb"], &[])?;
+    if args.terrain.any() {
+        return Err(Failure::misuse("a pagoda takes --faces, --noise, --seed and --holes; the rest is for terrain"));
+    }
+    let holes = match args.holes {
+        HolePattern::None => false,
+        HolePattern::Occluded => true,
+        _ => return Err(Failure::misuse("--holes of a pagoda: expected none or occluded")),
+    };
+    let faces = args.scan.faces.unwrap_or(1_000_000);
+    let bar = Bar::spinner("generating");
+    let mesh = Pagoda { faces, seed: args.seed, noise_m: args.scan.noise, holes }.to_mesh();
+    bar.set_job("writing");
+    let meta = MeshMeta {
+        title: "a made scan of a five-storey pagoda".to_owned(),
+        note: format!("seed {}", args.seed),
+        ..MeshMeta::default()
+    };
+    write_mesh(&args.output, &mesh, &meta)?;
+    drop(bar);
+    out::row("file", format_args!("{}, {}", args.output.display(), text::bytes(inputs::file_bytes(&args.output)?)))?;
+    out::row(
+        "triangles",
+        format_args!(
+            "{}, {} vertices",
+            text::count(mesh.triangles.len() as u64),
+            text::count(mesh.positions.len() as u64)
+        ),
+    )?;
+    let [eye, target] = Pagoda::view().map(|p| p.to_array().map(text::number).join(","));
+    out::row("view", format_args!("--eye {eye} --target {target}"))
 }
 
 #[cfg(test)]

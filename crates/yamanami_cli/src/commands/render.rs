@@ -1,7 +1,7 @@
 //! `render`: one picture.
 
 use super::render_model;
-use crate::args::{self, DrawArgs, EyeArgs, FinenessArgs, LensArgs, SourceArgs};
+use crate::args::{self, DrawArgs, EyeArgs, FinenessArgs, LensArgs, SourceArgs, UpArgs};
 use crate::failure::Failure;
 use crate::inputs::Opened;
 use crate::pictures::{self, PICTURE_ENDINGS, StyleArgs};
@@ -35,6 +35,8 @@ pub(crate) struct RenderArgs {
     pub(super) output: PathBuf,
     #[command(flatten)]
     pub(super) eye: EyeArgs,
+    #[command(flatten)]
+    pub(super) up: UpArgs,
     #[command(flatten)]
     pub(super) lens: LensArgs,
     #[command(flatten)]

@@ -17,10 +17,11 @@ use yamanami::{Canvas, model_camera, model_pixels, model_views};
 const USUAL_SIZE_PX: [u32; 2] = [1600, 900];
 
 pub(crate) fn run(args: &RenderArgs, file: &Path) -> Result<(), Failure> {
-    let mesh = {
+    let mut mesh = {
         let _bar = Bar::spinner("reading");
         mesh_file::read_mesh(file)?
     };
+    args.up.turn(&mut mesh);
     let (view, style) = (view(args, &mesh), args.style.model_options(&mesh)?);
     let started = Instant::now();
     let (picture, covered_px, drawn_with) = {
@@ -37,9 +38,9 @@ pub(crate) fn run(args: &RenderArgs, file: &Path) -> Result<(), Failure> {
 fn view(args: &RenderArgs, mesh: &TriangleMesh) -> View {
     let size = args.lens.size.unwrap_or(USUAL_SIZE_PX);
     match (args.eye.eye, args.eye.target) {
-        (Some(eye), Some(target)) => model_camera(eye, target, args.lens.fov, size),
+        (Some(eye), Some(target)) => model_camera(args.up.place(eye), args.up.place(target), args.lens.fov, size),
         _ => {
-            let view = model_views(mesh.bounds(), 1, size)[0];
+            let view = model_views(&mesh.positions, 1, size)[0];
             View { fov_y_rad: args.lens.fov.unwrap_or(view.fov_y_rad), ..view }
         }
     }

@@ -1,13 +1,15 @@
 //! `reproduce`: a paper's figures on real data.
 
-use crate::args::ReadingArgs;
+use crate::args::{ReadingArgs, UpArgs};
 use crate::commands::demo;
 use crate::failure::Failure;
 use crate::progress::Bar;
-use crate::{inputs, out};
+use crate::{inputs, out, values};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
-use yamanami::Terrain;
+use yamanami::io::mesh_file;
+use yamanami::{MizunoModel, Terrain};
+use yamanami_testkit::Pagoda;
 
 /// Reproduce a paper's figures: CSV, plots and a page of text
 #[derive(Debug, Args)]
@@ -15,8 +17,11 @@ use yamanami::Terrain;
 Examples:
   yamanami reproduce hashida -o hashida
   yamanami reproduce hashida -o hashida --dem fuji_50m.tif --large alps.tif
+  yamanami reproduce mizuno -o mizuno
+  yamanami reproduce mizuno -o mizuno --faces 10000000 --scan statue.ply
 
-hashida: Hashida, Kanai, Kishinami: wavelets and a triangle quadtree for large terrain; figures 7(a), 7(b) and 8.")]
+hashida: Hashida, Kanai, Kishinami: wavelets and a triangle quadtree for large terrain; figures 7(a), 7(b) and 8.
+mizuno: Mizuno, Okumoto, Takata, Joe: polygon reduction for displays; tables 1 and 2, on a made pagoda.")]
 pub(crate) struct ReproduceArgs {
     /// The paper
     #[arg(value_enum)]
@@ -30,6 +35,14 @@ pub(crate) struct ReproduceArgs {
     /// A large DEM or .yama; else the bundled San Gabriel Mountains
     #[arg(long, value_name = "FILE")]
     large: Option<PathBuf>,
+    /// mizuno: faces of the made pagoda
+    #[arg(long, value_name = "N", value_parser = values::faces, default_value_t = USUAL_PAGODA_FACES)]
+    faces: usize,
+    /// mizuno: a real scan beside the pagoda
+    #[arg(long, value_name = "FILE")]
+    scan: Option<PathBuf>,
+    #[command(flatten)]
+    up: UpArgs,
     #[command(flatten)]
     reading: ReadingArgs,
 }
@@ -39,11 +52,58 @@ pub(crate) struct ReproduceArgs {
 enum Paper {
     /// Level of detail of large terrain by wavelets and a quadtree
     Hashida,
+    /// Polygons of scanned models for displays
+    Mizuno,
 }
 
+/// Enough for a hundred polygons a pixel on a small display, and done in a few minutes.
+const USUAL_PAGODA_FACES: usize = 3_000_000;
+
+/// The pagoda's camera sees this much from bottom to top, radians (30°).
+const PAGODA_FOV_RAD: f64 = std::f64::consts::FRAC_PI_6;
+
 pub(crate) fn run(args: &ReproduceArgs) -> Result<(), Failure> {
-    let Paper::Hashida = args.paper;
     inputs::make_folder(&args.output)?;
+    match args.paper {
+        Paper::Hashida => hashida(args),
+        Paper::Mizuno => mizuno(args),
+    }
+}
+
+fn mizuno(args: &ReproduceArgs) -> Result<(), Failure> {
+    let bar = Bar::spinner("making a pagoda");
+    let (fewest, most) = (Pagoda::FEWEST_FACES, Pagoda::MOST_FACES);
+    if !(fewest..=most).contains(&args.faces) {
+        return Err(Failure::misuse(format!("--faces {}: a pagoda has {fewest} to {most} faces", args.faces)));
+    }
+    let regions = Pagoda::regions().map(|region| (region.name.to_owned(), region.centre_m, region.radius_m));
+    let mut models = vec![MizunoModel {
+        name: "pagoda".to_owned(),
+        title: "A made pagoda".to_owned(),
+        mesh: Pagoda::new(args.faces).to_mesh(),
+        camera: Some(Pagoda::view()),
+        fov_y_rad: Some(PAGODA_FOV_RAD),
+        regions: regions.into(),
+    }];
+    if let Some(scan) = &args.scan {
+        let mut mesh = mesh_file::read_mesh(scan)?;
+        args.up.turn(&mut mesh);
+        let name = scan.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        models.push(MizunoModel {
+            name: "scan".to_owned(),
+            title: format!("A real scan, {name}"),
+            mesh,
+            camera: None,
+            fov_y_rad: None,
+            regions: Vec::new(),
+        });
+    }
+    let page = yamanami::mizuno(models, &args.output, &|job| bar.set_job(job))?;
+    drop(bar);
+    out::line(page.display())
+}
+
+fn hashida(args: &ReproduceArgs) -> Result<(), Failure> {
     let open = |file: &Option<PathBuf>, bundled: fn() -> Result<Terrain, Failure>| match file {
         Some(file) => inputs::open(std::slice::from_ref(file), &args.reading),
         None => bundled(),

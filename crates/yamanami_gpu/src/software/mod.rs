@@ -10,6 +10,9 @@
 mod place;
 mod raster;
 mod resolve;
+mod seen;
+
+pub use seen::{Visibility, visibility};
 
 use crate::frame::{Frame, check_size};
 use crate::palette::SrgbEncoder;

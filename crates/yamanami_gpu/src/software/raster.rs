@@ -45,9 +45,19 @@ impl<const N: usize> Band<N> {
         &self.slots
     }
 
+    /// Triangle slots at all covered samples.
+    pub(super) fn shown_slots(&self) -> impl Iterator<Item = u32> + '_ {
+        self.slots.iter().flatten().copied().filter(|&slot| slot != NOTHING)
+    }
+
+    /// 1 / depth of the farthest sample of every pixel, 0 where the background shows.
+    pub(super) fn farthest(&self) -> impl Iterator<Item = f32> + '_ {
+        self.inverse_depth.iter().map(|depths| depths.iter().fold(f32::INFINITY, |a, &b| a.min(b)))
+    }
+
     /// Number of samples covered.
     pub(super) fn covered_samples(&self) -> u64 {
-        self.slots.iter().flatten().filter(|&&slot| slot != NOTHING).count() as u64
+        self.shown_slots().count() as u64
     }
 
     /// Draws a triangle where it is nearer than what is there.

@@ -1,5 +1,6 @@
-//! A file that appears whole or not at all.
+//! A file that appears whole or not at all, packed where its name says so.
 
+use super::packing::Packing;
 use crate::IoError;
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -9,14 +10,15 @@ use std::path::{Path, PathBuf};
 /// left behind, and an old file keeps its content.
 pub(super) fn write(
     path: &Path,
-    content: impl FnOnce(&mut BufWriter<File>) -> std::io::Result<()>,
+    packing: Packing,
+    content: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
 ) -> Result<(), IoError> {
     let mut part = path.as_os_str().to_owned();
     part.push(".part");
     let part = PathBuf::from(part);
     let written = File::create(&part).and_then(|file| {
         let mut out = BufWriter::with_capacity(1 << 18, file);
-        content(&mut out)?;
+        packing.write(&mut out, content)?;
         out.flush()?;
         out.get_ref().sync_all()
     });

@@ -1,31 +1,54 @@
-//! Mesh files: PLY, OBJ, STL and GLB by their extension, in and out; `.gz` around any of them when reading.
+//! Mesh files: PLY, OBJ, STL, OFF, glTF and GLB by their extension, in and out; `.gz` and `.zst` around any of them.
 //!
-//! | format | written as | coordinates |
-//! |---|---|---|
-//! | `.ply` | binary, little endian | double precision |
-//! | `.obj` | text | every digit |
-//! | `.stl` | binary | single precision, relative to an origin stated in the header where they are large |
-//! | `.glb` | glTF 2.0, y up | single precision, relative to an origin that is the node's translation |
+//! | format | written as | coordinates | colours | texture coordinates | materials and pictures |
+//! |---|---|---|---|---|---|
+//! | `.ply` | binary, little endian | double precision | yes | yes | pictures beside it |
+//! | `.obj` | text | every digit | without alpha | yes | in an `.mtl` and pictures beside it |
+//! | `.stl` | binary | single precision, relative to an origin stated in the header where they are large | | | |
+//! | `.off` | text | every digit | yes | yes | |
+//! | `.glb` | glTF 2.0, y up | single precision, relative to an origin that is the node's translation | yes | yes | in it |
 //!
-//! What is read back is in metres, z up, checked: every position finite, every index in range.
+//! glTF of text (`.gltf`) is read only. Its buffers may lie in it, beside it, or be packed by meshopt.
+//!
+//! What is read back is in metres, z up, checked: every position finite, every index in range, every attribute one a
+//! vertex or absent. Polygons come as triangles; repeated corners and faces are the model's own affair and stay.
 
 mod atomic;
 mod checked;
-mod glb_read;
+mod companions;
 mod glb_write;
-mod obj;
+mod gltf_buffers;
+mod gltf_json;
+mod gltf_materials;
+mod gltf_read;
+mod meshopt_decode;
+mod meshopt_filter;
+mod mtl;
+mod obj_read;
+mod obj_write;
+mod off;
+mod origin;
+mod packing;
 mod ply_header;
 mod ply_read;
+mod ply_values;
+mod ply_vertices;
 mod ply_write;
+mod polygon;
+mod seams;
+mod srgb;
 mod stl;
+mod stream;
+
+pub use stream::{MeshStream, TriangleSink, VertexRun, VertexSink};
 
 use crate::IoError;
-use std::io::Read;
+use companions::Pictures;
+pub use meshopt_decode::{MeshoptFilter, MeshoptMode, decode_meshopt};
+use origin::Origin;
+use packing::Packing;
 use std::path::Path;
 use yamanami_core::TriangleMesh;
-
-/// Most bytes that a compressed mesh file may unpack to.
-const UNPACKED_LIMIT: u64 = 8 << 30;
 
 /// What a mesh file says about itself beside the mesh.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -59,21 +82,26 @@ enum Format {
     Ply,
     Obj,
     Stl,
+    Off,
     Glb,
+    Gltf,
 }
 
 impl Format {
+    /// The format of a name without the end of its packing.
     fn of(name: &Path) -> Result<Self, IoError> {
         let extension = name.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         match extension.as_str() {
             "ply" => Ok(Self::Ply),
             "obj" => Ok(Self::Obj),
             "stl" => Ok(Self::Stl),
+            "off" => Ok(Self::Off),
             "glb" => Ok(Self::Glb),
+            "gltf" => Ok(Self::Gltf),
             _ => Err(IoError::unsupported(
                 name,
                 format!("'{extension}' is not a mesh format known here"),
-                "use .ply, .obj, .stl or .glb",
+                "use .ply, .obj, .stl, .off, .glb or .gltf",
             )),
         }
     }
@@ -81,68 +109,87 @@ impl Format {
 
 /// Whether a file's name ends like one of a mesh that [`read_mesh`] knows.
 pub fn is_mesh_name(path: &Path) -> bool {
-    Format::of(&without_gz(path)).is_ok()
+    Format::of(&Packing::of(path).1).is_ok()
 }
 
-/// Writes a mesh in the format of the path's extension. The file appears whole or not at all.
+/// Writes a mesh in the format of the path's extension, and the pictures and materials that belong to it beside it where
+/// the format wants that. Each file appears whole or not at all; the mesh is the last.
 pub fn write_mesh(path: impl AsRef<Path>, mesh: &TriangleMesh, meta: &MeshMeta) -> Result<(), IoError> {
     let path = path.as_ref();
-    let format = Format::of(path)?;
+    let (packing, inner) = Packing::of(path);
+    let format = Format::of(&inner)?;
     checked::writable(path, mesh)?;
-    if format == Format::Glb {
-        glb_write::check_size(path, mesh)?;
+    match format {
+        Format::Ply => {
+            let pictures = Pictures::of(&inner, mesh);
+            pictures.write(path)?;
+            atomic::write(path, packing, |out| ply_write::write(out, mesh, meta, &pictures))
+        }
+        Format::Obj => {
+            let pictures = Pictures::of(&inner, mesh);
+            pictures.write(path)?;
+            let materials = obj_write::material_names(mesh);
+            let library = inner.with_extension("mtl");
+            if !materials.is_empty() {
+                atomic::write(&library, Packing::None, |out| {
+                    obj_write::write_library(out, mesh, &materials, &pictures)
+                })?;
+            }
+            let library = library.file_name().unwrap_or_default().to_string_lossy();
+            atomic::write(path, packing, |out| obj_write::write(out, mesh, meta, &library, &materials))
+        }
+        Format::Stl => atomic::write(path, packing, |out| stl::write(out, mesh, meta)),
+        Format::Off => atomic::write(path, packing, |out| off::write(out, mesh, meta)),
+        Format::Glb => {
+            glb_write::check_size(path, mesh)?;
+            atomic::write(path, packing, |out| glb_write::write(out, mesh, meta))
+        }
+        Format::Gltf => Err(IoError::unsupported(path, "glTF is written as one binary file", "use .glb")),
     }
-    atomic::write(path, |out| match format {
-        Format::Ply => ply_write::write(out, mesh, meta),
-        Format::Obj => obj::write(out, mesh, meta),
-        Format::Stl => stl::write(out, mesh, meta),
-        Format::Glb => glb_write::write(out, mesh, meta),
-    })
+}
+
+/// A mesh that was read, and what was not.
+#[derive(Debug, Clone, Default, PartialEq)]
+#[non_exhaustive]
+pub struct ReadMesh {
+    /// The mesh.
+    pub mesh: TriangleMesh,
+    /// What was left out or could not be read without making the mesh useless: a missing picture, a vertex without a
+    /// place. One line each.
+    pub notes: Vec<String>,
 }
 
 /// Reads a mesh file.
 pub fn read_mesh(path: impl AsRef<Path>) -> Result<TriangleMesh, IoError> {
+    read_mesh_with_notes(path).map(|read| read.mesh)
+}
+
+/// Reads a mesh file and says what it left out.
+pub fn read_mesh_with_notes(path: impl AsRef<Path>) -> Result<ReadMesh, IoError> {
     let path = path.as_ref();
-    Format::of(&without_gz(path))?;
+    Format::of(&Packing::of(path).1)?;
     let bytes = std::fs::read(path).map_err(|e| IoError::io(path, e))?;
-    read_mesh_from_bytes(path, &bytes)
+    let folder = path.parent().unwrap_or(Path::new(""));
+    read(Origin::new(path, Some(folder)), &bytes)
 }
 
-/// Reads a mesh from the bytes of a file; the name's extension says the format.
+/// Reads a mesh from the bytes of a file; the name's extension says the format. Files beside it are not looked for.
 pub fn read_mesh_from_bytes(name: impl AsRef<Path>, bytes: &[u8]) -> Result<TriangleMesh, IoError> {
-    let name = name.as_ref();
-    let inner = without_gz(name);
+    read(Origin::new(name.as_ref(), None), bytes).map(|read| read.mesh)
+}
+
+fn read(mut origin: Origin<'_>, bytes: &[u8]) -> Result<ReadMesh, IoError> {
+    let (packing, inner) = Packing::of(origin.name);
     let format = Format::of(&inner)?;
-    let unpacked;
-    let bytes = if inner == name {
-        bytes
-    } else {
-        unpacked = unpack(name, bytes)?;
-        &unpacked
-    };
+    let bytes = packing.unpack(origin.name, bytes)?;
     let mesh = match format {
-        Format::Ply => ply_read::read(name, bytes),
-        Format::Obj => obj::read(name, bytes),
-        Format::Stl => stl::read(name, bytes),
-        Format::Glb => glb_read::read(name, bytes),
+        Format::Ply => ply_read::read(&mut origin, &bytes),
+        Format::Obj => obj_read::read(&mut origin, &bytes),
+        Format::Stl => stl::read(origin.name, &bytes),
+        Format::Off => off::read(&mut origin, &bytes),
+        Format::Glb => gltf_read::read_binary(&mut origin, &bytes),
+        Format::Gltf => gltf_read::read_text(&mut origin, &bytes),
     }?;
-    checked::readable(name, mesh)
-}
-
-/// The name without a final `.gz`.
-fn without_gz(name: &Path) -> std::path::PathBuf {
-    let packed = name.extension().is_some_and(|e| e.eq_ignore_ascii_case("gz"));
-    if packed { name.with_extension("") } else { name.to_owned() }
-}
-
-fn unpack(name: &Path, bytes: &[u8]) -> Result<Vec<u8>, IoError> {
-    let mut unpacked = Vec::new();
-    flate2::read::MultiGzDecoder::new(bytes)
-        .take(UNPACKED_LIMIT + 1)
-        .read_to_end(&mut unpacked)
-        .map_err(|e| IoError::malformed(name, "compressed data", "a whole gzip stream", e.to_string()))?;
-    if unpacked.len() as u64 > UNPACKED_LIMIT {
-        return Err(IoError::too_large(name, "bytes unpacked", unpacked.len() as u64, UNPACKED_LIMIT));
-    }
-    Ok(unpacked)
+    let mesh = checked::readable(&mut origin, mesh)?;
+    Ok(ReadMesh { mesh, notes: origin.into_notes() })
 }

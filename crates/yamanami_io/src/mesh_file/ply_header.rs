@@ -85,6 +85,11 @@ impl Element {
             .sum()
     }
 
+    /// Whether all records have the same length in binary.
+    pub(super) fn is_fixed(&self) -> bool {
+        self.properties.iter().all(|p| matches!(p.kind, Kind::Scalar(_)))
+    }
+
     /// Index of the first property with one of these names.
     pub(super) fn property(&self, names: &[&str]) -> Option<usize> {
         self.properties.iter().position(|p| names.contains(&p.name.as_str()))
@@ -95,6 +100,8 @@ impl Element {
 pub(super) struct Header {
     pub(super) encoding: Encoding,
     pub(super) elements: Vec<Element>,
+    /// Pictures that comments name: `comment TextureFile skin.png`, as MeshLab writes.
+    pub(super) textures: Vec<String>,
 }
 
 /// Reads the header; what follows it comes back beside it.
@@ -116,6 +123,7 @@ pub(super) fn read<'a>(name: &Path, bytes: &'a [u8]) -> Result<(Header, &'a [u8]
     let mut rest = bytes;
     let mut encoding = None;
     let mut elements: Vec<Element> = Vec::new();
+    let mut textures = Vec::new();
     let mut number = 0;
     loop {
         number += 1;
@@ -126,6 +134,10 @@ pub(super) fn read<'a>(name: &Path, bytes: &'a [u8]) -> Result<(Header, &'a [u8]
         rest = &rest[end + line_end.len()..];
         let words: Vec<&str> = line.split_ascii_whitespace().collect();
         match words[..] {
+            ["comment", "TextureFile", ..] => {
+                let named = line.split_once("TextureFile").map_or("", |(_, named)| named.trim());
+                textures.push(named.to_owned());
+            }
             [] | ["ply" | "comment" | "obj_info", ..] => {}
             ["format", format, ..] => {
                 encoding = Some(match format {
@@ -155,7 +167,7 @@ pub(super) fn read<'a>(name: &Path, bytes: &'a [u8]) -> Result<(Header, &'a [u8]
             }
             ["end_header"] => {
                 let encoding = encoding.ok_or_else(|| bad(number, "a 'format' line before the end", "none"))?;
-                return Ok((Header { encoding, elements }, rest));
+                return Ok((Header { encoding, elements, textures }, rest));
             }
             _ => return Err(bad(number, "'format', 'element', 'property', 'comment' or 'end_header'", &line)),
         }

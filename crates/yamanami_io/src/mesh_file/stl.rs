@@ -16,7 +16,7 @@ const FACET: usize = 50;
 /// How our own header starts; not with `solid`, which would be text.
 const MARK: &str = "yamanami STL, metres, origin ";
 
-pub(super) fn write(out: &mut impl Write, mesh: &TriangleMesh, meta: &MeshMeta) -> std::io::Result<()> {
+pub(super) fn write(out: &mut dyn Write, mesh: &TriangleMesh, meta: &MeshMeta) -> std::io::Result<()> {
     let facets = u32::try_from(mesh.triangles.len())
         .map_err(|_| std::io::Error::other("an STL file holds at most 4294967295 facets"))?;
     let origin = origin(mesh);

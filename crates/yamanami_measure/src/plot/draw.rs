@@ -19,13 +19,13 @@ const COLOURS: [RGBColor; 7] = [
     RGBColor(86, 180, 233),
     RGBColor(90, 90, 90),
 ];
-const INK: RGBColor = RGBColor(38, 38, 38);
+pub(super) const INK: RGBColor = RGBColor(38, 38, 38);
 const GRID: RGBColor = RGBColor(226, 226, 226);
 
 type Failure = Box<dyn std::error::Error>;
 
 /// The font of all texts.
-fn font(size: i32) -> FontDesc<'static> {
+pub(super) fn font(size: i32) -> FontDesc<'static> {
     static REGISTERED: Once = Once::new();
     const NAME: &str = "DejaVu Sans of yamanami";
     // a font that could not be read would show as an error when text is drawn

@@ -5,6 +5,9 @@
 
 mod axis;
 mod draw;
+mod sheet;
+
+pub use sheet::{Sheet, SheetRow, sheet};
 
 use crate::MeasureError;
 use std::path::Path;

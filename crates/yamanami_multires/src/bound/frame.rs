@@ -20,6 +20,8 @@ const MOST_EXPONENT: i32 = 1000;
 pub(super) struct Frame {
     half_origin: DVec3,
     metres_a_unit: f64,
+    /// A power of two, as the other: a product is as good as a quotient, and faster.
+    twice_units_a_metre: f64,
 }
 
 impl Frame {
@@ -44,12 +46,24 @@ impl Frame {
         let half_origin = min * 0.25 + max * 0.25;
         let half = (max * 0.5 - min * 0.5).max_element();
         let exponent = if half > 0.0 { half.log2().ceil() as i32 } else { 0 };
-        Some(Self { half_origin, metres_a_unit: f64::from(exponent.clamp(-MOST_EXPONENT, MOST_EXPONENT)).exp2() })
+        let metres_a_unit = f64::from(exponent.clamp(-MOST_EXPONENT, MOST_EXPONENT)).exp2();
+        Some(Self { half_origin, metres_a_unit, twice_units_a_metre: 2.0 / metres_a_unit })
+    }
+
+    /// The same with room for twice the size.
+    pub(super) fn twice(self) -> Self {
+        Self { metres_a_unit: self.metres_a_unit * 2.0, twice_units_a_metre: self.twice_units_a_metre * 0.5, ..self }
+    }
+
+    /// Whether all triangles of a mesh have a place in it.
+    pub(super) fn holds(&self, mesh: &TriangleMesh) -> bool {
+        let corners = mesh.triangles.as_flattened().iter();
+        corners.map(|&v| self.unit(mesh.positions[v as usize])).all(|p| p.abs().max_element() <= 1.0)
     }
 
     /// A place in the frame.
     pub(super) fn unit(&self, place: DVec3) -> DVec3 {
-        (place * 0.5 - self.half_origin) / (0.5 * self.metres_a_unit)
+        (place * 0.5 - self.half_origin) * self.twice_units_a_metre
     }
 
     /// A place of the frame in metres.

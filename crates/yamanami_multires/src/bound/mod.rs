@@ -18,7 +18,7 @@ mod triangle;
 use frame::{Frame, SLACK};
 use glam::DVec3;
 use search::{Direction, Far, Goal, Outcome};
-use tree::Tree;
+use tree::{Near, Tree};
 use yamanami_core::TriangleMesh;
 
 /// How well to bound.
@@ -133,11 +133,15 @@ pub fn faces_beyond(a: &TriangleMesh, b: &TriangleMesh, limit_m: f64) -> [Vec<Be
     if a.triangles.is_empty() || b.triangles.is_empty() {
         return [all(a), all(b)];
     }
-    let trees = trees([a, b], &frame);
-    let goal = Goal::Within { limit: limit(&frame, limit_m) };
-    let found = outcomes([a, b], [&trees[0], &trees[1]], goal, None);
+    let [tree_a, tree_b] = trees([a, b], &frame);
+    beyond([a, b], [&tree_a, &tree_b], &frame, limit_m)
+}
+
+fn beyond(meshes: [&TriangleMesh; 2], trees: [&Tree; 2], frame: &Frame, limit_m: f64) -> [Vec<Beyond>; 2] {
+    let goal = Goal::Within { limit: limit(frame, limit_m) };
+    let found = outcomes(meshes, trees, goal, None);
     std::array::from_fn(|k| {
-        let (from, to) = (&trees[k], &trees[1 - k]);
+        let (from, to) = (trees[k], trees[1 - k]);
         let beyond = |far: &Far| Beyond {
             triangle: from.numbers[far.face as usize],
             place: frame.metres(far.place),
@@ -148,6 +152,39 @@ pub fn faces_beyond(a: &TriangleMesh, b: &TriangleMesh, limit_m: f64) -> [Vec<Be
         all.sort_by_key(|b| b.triangle);
         all
     })
+}
+
+/// A surface that others are held against, one after the other.
+#[derive(Debug)]
+pub(crate) struct Judge<'a> {
+    mesh: &'a TriangleMesh,
+    /// Twice as wide as the mesh, for the others to have room; none where the mesh cannot be judged by.
+    prepared: Option<(Frame, Tree)>,
+}
+
+impl<'a> Judge<'a> {
+    /// Prepares a surface.
+    pub(crate) fn new(mesh: &'a TriangleMesh) -> Self {
+        let frame = Frame::around(&[mesh]).filter(|_| !mesh.triangles.is_empty()).map(Frame::twice);
+        Self { mesh, prepared: frame.map(|frame| (frame, Tree::new(mesh, &frame))) }
+    }
+
+    /// As [`faces_beyond`], the judge first.
+    pub(crate) fn faces_beyond(&self, other: &TriangleMesh, limit_m: f64) -> [Vec<Beyond>; 2] {
+        match &self.prepared {
+            Some((frame, tree)) if !other.triangles.is_empty() && frame.holds(other) => {
+                beyond([self.mesh, other], [tree, &Tree::new(other, frame)], frame, limit_m)
+            }
+            _ => faces_beyond(self.mesh, other, limit_m),
+        }
+    }
+
+    /// The triangle nearest to each place; 0 for a surface that has none.
+    pub(crate) fn nearest(&self, places: &[DVec3]) -> Vec<u32> {
+        let Some((frame, tree)) = &self.prepared else { return vec![0; places.len()] };
+        let nearest = |&place: &DVec3| tree.numbers[tree.nearest(frame.unit(place), Near::NOTHING).slot as usize];
+        places.iter().map(nearest).collect()
+    }
 }
 
 /// A limit in units, less what rounding may add.
@@ -161,7 +198,7 @@ fn trees(meshes: [&TriangleMesh; 2], frame: &Frame) -> [Tree; 2] {
 
 fn outcomes(meshes: [&TriangleMesh; 2], trees: [&Tree; 2], goal: Goal, most_steps: Option<u64>) -> [Outcome; 2] {
     let direction = |from: usize, to: usize| {
-        Direction::new(trees[from], &meshes[from].triangles, meshes[from].positions.len(), trees[to])
+        Direction::new(trees[from], &meshes[from].triangles, meshes[from].positions.len(), trees[to], goal)
     };
     let faces = meshes[0].triangles.len() + meshes[1].triangles.len();
     let most_steps = most_steps.unwrap_or(faces as u64 * STEPS_A_FACE + STEPS_ANYWAY);

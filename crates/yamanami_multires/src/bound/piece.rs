@@ -16,6 +16,8 @@ pub(super) struct Piece {
     pub(super) face: u32,
     /// A triangle of the other surface nearby, in that tree's order.
     pub(super) near: u32,
+    /// `near` is a guess that no cut was made by yet.
+    pub(super) is_guess: bool,
 }
 
 impl Piece {
@@ -23,7 +25,7 @@ impl Piece {
     pub(super) fn whole(triangle: &[DVec3; 3], face: u32, near: u32) -> Self {
         let mut corners = [DVec3::ZERO; MOST_CORNERS];
         corners[..3].copy_from_slice(triangle);
-        Self { corners, count: 3, cuts: 0, face, near }
+        Self { corners, count: 3, cuts: 0, face, near, is_guess: true }
     }
 
     /// A piece of the same triangle without corners yet.

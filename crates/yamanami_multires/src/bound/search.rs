@@ -10,7 +10,7 @@
 
 use super::frame::MOST_CUTS;
 use super::piece::Piece;
-use super::tree::{Near, Tree};
+use super::tree::{NONE, Near, Tree};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -32,6 +32,9 @@ const SIDE_BY_SIDE: usize = 16;
 /// A distance that does not matter, units.
 const NOTHING: f64 = 1.0 / (1u64 << 40) as f64;
 
+/// A vertex at this share of a limit needs no nearer triangle.
+const NEAR_ENOUGH: f64 = 0.5;
+
 /// A cut closer to a corner than this share of the piece's radius is not worth making.
 const LEAST_CUT: f64 = 1e-3;
 
@@ -50,7 +53,7 @@ pub(super) struct Direction<'a> {
     pub(super) from: &'a Tree,
     pub(super) from_triangles: &'a [[u32; 3]],
     pub(super) to: &'a Tree,
-    /// The triangle of `to` nearest to each vertex that a triangle of `from` has.
+    /// A triangle of `to` near each vertex that a triangle of `from` has: with [`Goal::Greatest`] the nearest.
     near: Vec<Near>,
 }
 
@@ -81,8 +84,16 @@ pub(super) struct Outcome {
 }
 
 impl<'a> Direction<'a> {
-    /// Finds the nearest triangle for every vertex of `from`, which has `vertices`. Both surfaces have triangles.
-    pub(super) fn new(from: &'a Tree, from_triangles: &'a [[u32; 3]], vertices: usize, to: &'a Tree) -> Self {
+    /// Finds the nearest triangle for every vertex of `from`, which has `vertices`, or one that is near enough for the goal.
+    /// Both surfaces have triangles.
+    pub(super) fn new(
+        from: &'a Tree,
+        from_triangles: &'a [[u32; 3]],
+        vertices: usize,
+        to: &'a Tree,
+        goal: Goal,
+    ) -> Self {
+        let enough = if let Goal::Within { limit } = goal { (limit * NEAR_ENOUGH).powi(2) } else { 0.0 };
         // in the order of the tree, so that the last answer is a good guess for the next question
         let mut near = vec![Near::NOTHING; vertices];
         let mut asked = Vec::with_capacity(vertices);
@@ -97,7 +108,8 @@ impl<'a> Direction<'a> {
         let answer = |asked: &[(u32, DVec3)]| {
             let mut slot = 0;
             let nearest = |&(v, p): &(u32, DVec3)| {
-                let found = to.nearest(p, to.near(p, slot));
+                let last = to.near(p, slot);
+                let found = if last.distance2 <= enough { last } else { to.nearest(p, last) };
                 slot = found.slot;
                 (v, found)
             };
@@ -212,13 +224,27 @@ impl State {
     fn step(&mut self, direction: &Direction<'_>, mut piece: Piece) {
         self.steps += 1;
         let to = direction.to;
+        let is_cut_no_more = self.last || piece.cuts >= MOST_CUTS;
+        // a bound above the threshold only matters where the piece has to be taken as it is
+        let enough2 = if is_cut_no_more { f64::INFINITY } else { self.threshold2 };
         let greatest = |slot: u32| {
             let triangle = &to.triangles[slot as usize];
-            piece.corners().iter().map(|&p| super::triangle::distance2(p, triangle)).fold(0.0, f64::max)
+            let mut greatest2 = 0.0f64;
+            for &p in piece.corners() {
+                greatest2 = greatest2.max(super::triangle::distance2(p, triangle));
+                if greatest2 > enough2 {
+                    return f64::INFINITY;
+                }
+            }
+            greatest2
         };
         let mut upper2 = greatest(piece.near);
         if upper2 > self.threshold2 {
             let (centre, radius) = piece.ball();
+            // the way from triangle to triangle is shorter than through the tree
+            if piece.is_guess && !is_cut_no_more && self.cut_along(to, piece, radius) {
+                return;
+            }
             let found = to.nearest(centre, to.near(centre, piece.near));
             let far = Far { distance2: found.distance2, place: centre, face: piece.face, near: found.slot };
             if !self.see(far) {
@@ -230,8 +256,12 @@ impl State {
             upper2 = upper2.min((found.distance2.sqrt() + radius).powi(2));
             if upper2 > self.threshold2 {
                 piece.near = found.slot;
-                if !self.last && piece.cuts < MOST_CUTS {
-                    return self.cut(to, piece, radius);
+                if !is_cut_no_more {
+                    if !self.cut_along(to, piece, radius) {
+                        piece.is_guess = false;
+                        self.stack.extend(piece.halves());
+                    }
+                    return;
                 }
                 if let Goal::Within { .. } = self.goal {
                     return self.is_beyond(far);
@@ -241,28 +271,40 @@ impl State {
         self.upper2 = self.upper2.max(upper2);
     }
 
-    /// Cuts along the edges of the nearest triangle, or in half where they do not cross the piece.
-    fn cut(&mut self, to: &Tree, piece: Piece, radius: f64) {
+    /// Cuts along the edges of the triangle that the piece is near; its neighbours are the guesses for what lies outside. Not
+    /// where none of the edges crosses the piece.
+    fn cut_along(&mut self, to: &Tree, piece: Piece, radius: f64) -> bool {
         let [a, b, c] = to.triangles[piece.near as usize];
         let normal = (b - a).cross(c - a);
         let mut inside = piece;
         let mut is_cut = false;
-        for (from, along) in [(a, b - a), (b, c - b), (c, a - c)] {
+        for (k, (from, along)) in [(a, b - a), (b, c - b), (c, a - c)].into_iter().enumerate() {
             let outwards = along.cross(normal);
             let least = LEAST_CUT * radius * outwards.length();
-            if let Some([behind, before]) = inside.cut(from, outwards, least) {
+            if let Some([behind, mut before]) = inside.cut(from, outwards, least) {
+                let across = to.across[piece.near as usize][k];
+                before.is_guess = across != NONE;
+                if before.is_guess {
+                    before.near = across;
+                }
                 self.stack.push(before);
                 inside = behind;
                 is_cut = true;
             }
         }
-        if is_cut { self.stack.push(inside) } else { self.stack.extend(piece.halves()) }
+        if is_cut {
+            inside.is_guess = false;
+            self.stack.push(inside);
+        }
+        is_cut
     }
 }
 
 fn threshold2(goal: Goal, known2: f64) -> f64 {
     match goal {
-        Goal::Greatest { gap, at_most } => (known2.sqrt() * (1.0 + gap) + NOTHING).max(at_most).powi(2),
+        // the question is only whether it is within, until it is not
+        Goal::Greatest { at_most, .. } if at_most > 0.0 && known2 <= at_most * at_most => at_most * at_most,
+        Goal::Greatest { gap, .. } => (known2.sqrt() * (1.0 + gap) + NOTHING).powi(2),
         Goal::Within { limit } => limit.max(0.0).powi(2),
     }
 }

@@ -6,10 +6,11 @@
 use super::frame::Frame;
 use super::triangle;
 use glam::DVec3;
+use rayon::prelude::*;
 use yamanami_core::TriangleMesh;
 
 /// Triangles of a leaf.
-const LEAF: usize = 4;
+const LEAF: usize = 2;
 
 /// Marks a child that is a leaf: first triangle times four, plus the number of triangles less one.
 const LEAF_MARK: u32 = 1 << 31;
@@ -73,7 +74,12 @@ pub(super) struct Tree {
     pub(super) triangles: Vec<[DVec3; 3]>,
     /// The mesh's number of each of them.
     pub(super) numbers: Vec<u32>,
+    /// Across each of its edges, the one from the first to the second corner first, another triangle's place in this order.
+    pub(super) across: Vec<[u32; 3]>,
 }
+
+/// Across a border.
+pub(super) const NONE: u32 = u32::MAX;
 
 /// A triangle near a point.
 #[derive(Debug, Clone, Copy)]
@@ -113,7 +119,8 @@ impl Tree {
             nodes[0].children = [leaf(0, count); 2];
         }
         let numbers: Vec<u32> = items.iter().map(|&(_, t)| t).collect();
-        Self { nodes, triangles: numbers.iter().map(|&t| corners(t)).collect(), numbers }
+        let across = across(numbers.iter().map(|&t| mesh.triangles[t as usize]));
+        Self { nodes, triangles: numbers.iter().map(|&t| corners(t)).collect(), numbers, across }
     }
 
     /// Whether there is no triangle.
@@ -185,6 +192,31 @@ impl Tree {
             }
         }
     }
+}
+
+/// Pairs triangles that share an edge.
+fn across(triangles: impl ExactSizeIterator<Item = [u32; 3]>) -> Vec<[u32; 3]> {
+    let mut across = vec![[NONE; 3]; triangles.len()];
+    let mut edges: Vec<(u64, u32)> = Vec::with_capacity(3 * across.len());
+    for (slot, corners) in triangles.enumerate() {
+        for k in 0..3 {
+            let (a, b) = (corners[k], corners[(k + 1) % 3]);
+            edges.push((u64::from(a.min(b)) << 32 | u64::from(a.max(b)), (3 * slot + k) as u32));
+        }
+    }
+    if edges.len() < SIDE_BY_SIDE {
+        edges.sort_unstable()
+    } else {
+        edges.par_sort_unstable()
+    }
+    for pair in edges.windows(2) {
+        let [(edge, one), (same, other)] = [pair[0], pair[1]];
+        if edge == same {
+            across[one as usize / 3][one as usize % 3] = other / 3;
+            across[other as usize / 3][other as usize % 3] = one / 3;
+        }
+    }
+    across
 }
 
 fn leaf(first: usize, count: usize) -> u32 {

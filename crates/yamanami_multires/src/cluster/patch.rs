@@ -15,8 +15,13 @@ pub(super) const NEW: u32 = 1 << 31;
 /// A group with more triangles left than this share of what it had is not worth a node.
 const MOST_LEFT: f64 = 0.85;
 
-/// Distances are bounded about as well as their sum over the rounds is near the true one.
-const BOUND: BoundOptions = BoundOptions { relative_gap: 0.1, at_most_m: 0.0, most_steps: None };
+/// Gap of the bound on the distance of two patches. Bounds of several rounds add up and are then well above the true
+/// distance, so a closer one is not worth its time.
+const GAP: f64 = 0.1;
+
+/// Steps of a microsecond or so that bounding may take for each triangle; where surfaces cross each other all over it is
+/// cut short.
+const BOUND_STEPS: u64 = 16;
 
 /// A cluster of the round at hand.
 #[derive(Debug, Clone)]
@@ -170,7 +175,9 @@ fn keep(
     }
     let is_new = |edge: &u64| finer_edges.binary_search_by_key(edge, |e| e.0).is_err();
     let new_edges = coarser_edges.iter().map(|e| e.0).filter(is_new).collect();
-    let distance_m = distance_bound(&patch.mesh, &mesh, &BOUND).upper_m();
+    let most_steps = Some(BOUND_STEPS * patch.mesh.triangles.len() as u64);
+    let bounding = BoundOptions { relative_gap: GAP, at_most_m: 0.0, most_steps };
+    let distance_m = distance_bound(&patch.mesh, &mesh, &bounding).upper_m();
 
     let (made, number) = number_vertices(patch, &mesh, &sources, vertices);
     let origin = mesh.positions[mesh.triangles[0][0] as usize];

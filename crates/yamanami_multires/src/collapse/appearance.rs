@@ -3,8 +3,10 @@
 //! A vertex may look different from its sides (a texture's seam, a hard edge): each corner of a triangle names a *wedge*,
 //! and a wedge has the values. After: Hoppe, "New Quadric Metric for Simplifying Meshes with Appearance Attributes", 1999.
 
+use super::appearance_sum::{Scales, VALUES};
 use super::stars::Corner;
 use super::work::{GONE, third};
+use std::ops::Range;
 use yamanami_core::TriangleMesh;
 
 /// Floats of each kind of value.
@@ -24,6 +26,13 @@ pub(super) struct Appearance {
     material_of: Vec<u16>,
 }
 
+/// Where the wedges of a part belong.
+#[derive(Debug, Default)]
+pub(super) struct Part {
+    /// Each wedge's number in the whole.
+    names: Vec<u32>,
+}
+
 #[derive(Debug, Default, Clone, Copy)]
 struct Kinds {
     colours: bool,
@@ -38,8 +47,8 @@ impl Kinds {
 }
 
 impl Appearance {
-    /// What `mesh` carries; `triangles` are those kept, by their number in it.
-    pub(super) fn new(mesh: &TriangleMesh, triangles: &[u32]) -> Self {
+    /// What `mesh` carries; `triangles` are those kept, by their number in it, and `wedge_of` gives each vertex's wedge.
+    pub(super) fn new(mesh: &TriangleMesh, triangles: &[u32], wedge_of: impl Fn(u32) -> u32) -> Self {
         let n = mesh.positions.len();
         let kinds = Kinds {
             colours: mesh.colours.len() == n,
@@ -61,7 +70,7 @@ impl Appearance {
             }
         }
         let wedges = if kinds.stride() > 0 {
-            triangles.iter().map(|&t| mesh.triangles[t as usize]).collect()
+            triangles.iter().map(|&t| mesh.triangles[t as usize].map(&wedge_of)).collect()
         } else {
             Vec::new()
         };
@@ -71,6 +80,62 @@ impl Appearance {
             Vec::new()
         };
         Self { kinds, values, wedges, material_of }
+    }
+
+    /// Whether two vertices of a mesh at one place look the same. Normals do not count: they follow the shape.
+    pub(super) fn look_alike(mesh: &TriangleMesh, a: u32, b: u32) -> bool {
+        let (a, b) = (a as usize, b as usize);
+        mesh.colours.get(a) == mesh.colours.get(b) && mesh.texcoords.get(a) == mesh.texcoords.get(b)
+    }
+
+    /// How much each value counts, in units of the work, when a unit of each kind is to count as so many of those; `None` when
+    /// nothing that is carried counts.
+    pub(super) fn scales(&self, normal: f64, colour: f64, texcoord: f64) -> Option<Scales> {
+        let on = |has: bool, weight: f64| if has { weight as f32 } else { 0.0 };
+        let [c, t, n] = [
+            on(self.kinds.colours, colour),
+            on(self.kinds.texcoords, texcoord),
+            on(self.kinds.normals, normal),
+        ];
+        let scales = [c, c, c, t, t, n, n, n];
+        scales.iter().any(|&s| s > 0.0).then_some(scales)
+    }
+
+    /// The values of a wedge that can be weighed; 0 for what is not carried.
+    pub(super) fn weighable(&self, wedge: u32) -> [f32; VALUES] {
+        let mut out = [0.0; VALUES];
+        let stride = self.kinds.stride();
+        let values = &self.values[wedge as usize * stride..(wedge as usize + 1) * stride];
+        for (from, to, count) in self.weighable_places() {
+            out[to..to + count].copy_from_slice(&values[from..from + count]);
+        }
+        out
+    }
+
+    /// Gives a wedge the values that count.
+    pub(super) fn set_weighable(&mut self, wedge: u32, values: &[f32; VALUES]) {
+        let stride = self.kinds.stride();
+        let places = self.weighable_places();
+        let own = &mut self.values[wedge as usize * stride..(wedge as usize + 1) * stride];
+        for (to, from, count) in places {
+            own[to..to + count].copy_from_slice(&values[from..from + count]);
+        }
+    }
+
+    /// Where each kind stands among a wedge's values, where among those that can be weighed, and how many they are.
+    fn weighable_places(&self) -> impl Iterator<Item = (usize, usize, usize)> + use<> {
+        let Kinds { colours, texcoords, normals } = self.kinds;
+        let texcoord_at = COLOUR * usize::from(colours);
+        let normal_at = texcoord_at + TEXCOORD * usize::from(texcoords);
+        [(colours, 0, 0, 3), (texcoords, texcoord_at, 3, TEXCOORD), (normals, normal_at, 5, NORMAL)]
+            .into_iter()
+            .filter(|place| place.0)
+            .map(|(_, from, to, count)| (from, to, count))
+    }
+
+    /// The wedges of a triangle's corners in its turning order, the given one first.
+    pub(super) fn turned_wedges(&self, corner: Corner) -> [u32; 3] {
+        corner.turned(&self.wedges)
     }
 
     /// Whether parts can look different at all.
@@ -127,6 +192,39 @@ impl Appearance {
                 self.wedges[t][place] = to;
             }
         }
+    }
+
+    /// What a run of the triangles carries, and how to put it back.
+    pub(super) fn part(&self, run: Range<usize>) -> (Self, Part) {
+        let material_of = if self.material_of.is_empty() { Vec::new() } else { self.material_of[run.clone()].to_vec() };
+        if self.wedges.is_empty() {
+            return (Self { material_of, ..Self::default() }, Part::default());
+        }
+        let run = &self.wedges[run];
+        let mut names = run.as_flattened().to_vec();
+        names.sort_unstable();
+        names.dedup();
+        let stride = self.kinds.stride();
+        let values = names.iter().flat_map(|&w| &self.values[w as usize * stride..(w as usize + 1) * stride]).copied();
+        let values = values.collect();
+        let wedges = run.iter().map(|t| t.map(|w| names.binary_search(&w).unwrap_or(0) as u32)).collect();
+        (Self { kinds: self.kinds, values, wedges, material_of }, Part { names })
+    }
+
+    /// Forgets the triangles, so that parts can be put back.
+    pub(super) fn start_joining(&mut self) {
+        self.wedges.clear();
+        self.material_of.clear();
+    }
+
+    /// Puts a part back behind those already there.
+    pub(super) fn join(&mut self, other: Self, part: &Part) {
+        let stride = self.kinds.stride();
+        for (values, &w) in other.values.chunks_exact(stride.max(1)).zip(&part.names) {
+            self.values[w as usize * stride..(w as usize + 1) * stride].copy_from_slice(values);
+        }
+        self.wedges.extend(other.wedges.iter().map(|t| t.map(|w| part.names[w as usize])));
+        self.material_of.extend(other.material_of);
     }
 
     /// Leaves out the triangles that are gone.

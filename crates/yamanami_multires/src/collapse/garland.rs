@@ -6,8 +6,8 @@
 
 use super::StoppedBy;
 use super::quadric::Quadric;
-use super::rounds::{Kept, Stop};
-use super::work::Work;
+use super::rounds::Stop;
+use super::work::{Kept, Work};
 use glam::DVec3;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;

@@ -5,18 +5,23 @@
 //! hand, and the volume is kept); Hoppe, "New Quadric Metric for Simplifying Meshes with Appearance Attributes", 1999.
 
 mod appearance;
+mod appearance_sum;
 mod garland;
 mod lanes;
 mod order;
+mod patches;
 mod plane_sum;
 mod prepare;
 mod quadric;
 mod rounds;
 mod stars;
+mod surroundings;
+mod within;
 mod work;
 
 use prepare::Prepared;
-use rounds::{Rounds, Stop};
+use rounds::Stop;
+pub use within::{CollapsedWithin, collapse_within};
 use yamanami_core::TriangleMesh;
 
 /// Which collapse.
@@ -128,8 +133,12 @@ pub fn collapse(mesh: &TriangleMesh, options: &CollapseOptions<'_>) -> Collapsed
     };
     let (stopped_by, estimate) = match options.method {
         Method::Memoryless => {
-            let mut rounds = Rounds::new(&mut prepared.work, &mut prepared.sources);
-            (rounds.run(stop, &progress), rounds.worst)
+            let diagonal = mesh.bounds().diagonal() / metres;
+            let AttributeWeights { normal, colour, texcoord } = options.weights;
+            let [normal, colour, texcoord] = [normal, colour, texcoord].map(|w| w * diagonal);
+            let scales = prepared.work.appearance.scales(normal, colour, texcoord);
+            let n = mesh.positions.len();
+            patches::run(&mut prepared.work, &mut prepared.sources, n, scales, stop, &progress)
         }
         Method::Garland97 => garland::run(&mut prepared.work, stop, &progress),
     };

@@ -76,6 +76,21 @@ impl PlaneSum {
         }
     }
 
+    /// Adds the squared distance to the vertex itself, with this share of the planes' weight.
+    pub(super) fn add_point(&mut self, share: f32) {
+        let weight = share * (self.form[0] + self.form[1] + self.form[2]);
+        for diagonal in &mut self.form[..3] {
+            *diagonal += weight;
+        }
+    }
+
+    /// How far the star's triangles face the same way: 1 for a flat one, 0 for one that is folded shut.
+    #[inline]
+    pub(super) fn evenness(&self) -> f32 {
+        let [x, y, z] = self.area;
+        let area = self.form[0] + self.form[1] + self.form[2];
+        if area > 0.0 { (x * x + y * y + z * z).sqrt() / area } else { 1.0 }
+    }
     /// Area of the star's triangles.
     #[inline]
     pub(super) fn total_area(&self) -> f64 {

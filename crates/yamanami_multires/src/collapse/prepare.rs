@@ -56,6 +56,9 @@ impl Prepared {
         let order = along_curve(&places, &is_used);
         drop(is_used);
         let mut number = vec![u32::MAX; n];
+        // vertices at one place that look the same are one wedge: the first of them; where they are many, not all are compared
+        let mut wedge_of: Vec<u32> = (0..n as u32).collect();
+        let mut looks: Vec<u32> = Vec::new();
         let (mut positions, mut sources, mut holds) =
             (Vec::with_capacity(order.len()), Vec::with_capacity(order.len()), Vec::new());
         for v in order {
@@ -64,6 +67,11 @@ impl Prepared {
                 positions.push(place);
                 sources.push(v);
                 holds.push(0);
+                looks.clear();
+            }
+            match looks.iter().rev().take(8).find(|&&w| Appearance::look_alike(mesh, w, v)) {
+                Some(&w) => wedge_of[v as usize] = w,
+                None => looks.push(v),
             }
             number[v as usize] = positions.len() as u32 - 1;
             if locked.is_some_and(|l| l[v as usize])
@@ -83,8 +91,8 @@ impl Prepared {
             .collect();
         kept.par_sort_unstable_by_key(|&t| (renumbered(&mesh.triangles[t as usize]).into_iter().min(), t));
         let triangles: Vec<[u32; 3]> = kept.iter().map(|&t| renumbered(&mesh.triangles[t as usize])).collect();
-        let appearance = Appearance::new(mesh, &kept);
-        drop((number, kept));
+        let appearance = Appearance::new(mesh, &kept, |v| wedge_of[v as usize]);
+        drop((number, kept, wedge_of));
         Self { work: Work::new(positions, triangles, holds, appearance), sources, scale }
     }
 

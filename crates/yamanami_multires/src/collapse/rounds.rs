@@ -6,14 +6,16 @@
 //! in the cache. Where the last round would go too far, its edges are taken in the order of their costs.
 
 use super::StoppedBy;
-use super::plane_sum::{ABREAST, EDGES_ABREAST, PlaneSum, best_place, costs};
-use super::work::{Work, hold};
+use super::appearance_sum::{self, AppearanceSum, Scales, VALUES, appearance_sum};
+use super::plane_sum::{EDGES_ABREAST, PlaneSum, best_place, costs};
+use super::surroundings::plane_sum;
+use super::work::{Kept, Work, hold};
 use glam::DVec3;
 use std::ops::Range;
 
 /// Share of the vertices whose edges a sweep over the whole mesh takes, and a round within a block.
-const SHARE_OF_SWEEP: f64 = 0.25;
-const SHARE_OF_ROUND: f64 = 0.03;
+const SHARE_OF_SWEEP: f64 = 0.5;
+const SHARE_OF_ROUND: f64 = 0.06;
 
 /// Vertices that go through their rounds together: what is around them stays in the cache.
 const BLOCK: usize = 4096;
@@ -46,12 +48,17 @@ pub(super) struct Rounds<'w> {
     work: &'w mut Work,
     sources: &'w mut Vec<u32>,
     sums: Vec<PlaneSum>,
+    /// The appearance around each vertex, where it counts.
+    looks: Vec<AppearanceSum>,
+    scales: Option<Scales>,
     /// Cost of the cheapest edge; infinite for none.
     key: Vec<f32>,
     /// Its other end.
     partner: Vec<u32>,
     state: Vec<u8>,
     gone: usize,
+    /// A step was left out because its estimate was too large.
+    by_error: bool,
     /// Scratch: vertices by cost.
     counts: Vec<u32>,
     /// The largest estimate of a step taken.
@@ -68,16 +75,20 @@ struct Weighed {
 }
 
 impl<'w> Rounds<'w> {
-    pub(super) fn new(work: &'w mut Work, sources: &'w mut Vec<u32>) -> Self {
+    /// `scales` says how much the appearance counts.
+    pub(super) fn new(work: &'w mut Work, sources: &'w mut Vec<u32>, scales: Option<Scales>) -> Self {
         let n = work.positions.len();
         let mut rounds = Self {
             work,
             sources,
             sums: vec![PlaneSum::default(); n],
+            looks: vec![AppearanceSum::default(); if scales.is_some() { n } else { 0 }],
+            scales,
             key: vec![f32::INFINITY; n],
             partner: vec![u32::MAX; n],
             state: vec![SUM_IS_STALE; n],
             gone: 0,
+            by_error: false,
             counts: vec![0; 1 << (32 - KEY_SHIFT)],
             worst: 0.0,
             ring: Vec::new(),
@@ -89,32 +100,52 @@ impl<'w> Rounds<'w> {
         rounds
     }
 
+    /// Triangles left.
+    pub(super) fn faces(&self) -> usize {
+        self.work.faces()
+    }
+
     /// Collapses until something says stop. `progress` hears of the faces left.
     pub(super) fn run(&mut self, stop: Stop, progress: &dyn Fn(usize)) -> StoppedBy {
-        while self.work.faces() > stop.faces {
-            let wanted = (self.work.faces() - stop.faces).div_ceil(2);
-            let alive = (self.key.len() - self.gone) as f64;
-            // a collapse often makes room for another below the same cost
-            let share = (0.4 * wanted as f64 / alive).min(SHARE_OF_SWEEP);
-            let all = 0..self.key.len();
-            let limit = self.limit_of(all.clone(), share.max(SHARE_OF_ROUND));
-            if limit == f32::INFINITY {
-                return StoppedBy::Topology;
+        loop {
+            while let Some(limit) = Self::limit_of_sweep(std::slice::from_ref(self), self.faces(), stop.faces) {
+                self.sweep(limit, stop);
+                progress(self.faces());
             }
-            if share > SHARE_OF_ROUND {
-                for start in all.step_by(BLOCK) {
-                    self.settle(start..(start + BLOCK).min(self.key.len()), limit, stop);
-                }
-            } else {
-                let found: Vec<u32> = (0..self.key.len() as u32).filter(|&v| self.key[v as usize] <= limit).collect();
-                self.take_in_order(found, stop);
+            // the last few over the whole mesh, in the order of their costs
+            if self.faces() <= stop.faces {
+                return StoppedBy::Target;
             }
-            progress(self.work.faces());
-            if self.gone as f64 > COMPACT_AT * self.key.len() as f64 {
-                self.compact();
+            let limit = self.limit_of(0..self.key.len(), SHARE_OF_ROUND);
+            let found: Vec<u32> = (0..self.key.len() as u32).filter(|&v| self.key[v as usize] <= limit).collect();
+            if limit == f32::INFINITY || found.is_empty() {
+                return if self.by_error { StoppedBy::Error } else { StoppedBy::Topology };
             }
+            self.take_in_order(found, stop);
         }
-        StoppedBy::Target
+    }
+
+    /// The cost up to which the next sweep over some meshes should go, that have so many faces together and are to have
+    /// `goal`; `None` when a sweep might go too far, or there is nothing to do.
+    pub(super) fn limit_of_sweep(all: &[Self], faces: usize, goal: usize) -> Option<f32> {
+        let wanted = faces.saturating_sub(goal).div_ceil(2);
+        let mut counts = vec![0; 1 << (32 - KEY_SHIFT)];
+        all.iter().for_each(|rounds| count(&rounds.key, &mut counts));
+        let alive: u32 = counts[..INFINITE].iter().sum();
+        // a collapse often makes room for another below the same cost
+        let share = (0.4 * wanted as f64 / f64::from(alive.max(1))).min(SHARE_OF_SWEEP);
+        let limit = limit_of(&counts, share);
+        (share > SHARE_OF_ROUND && limit < f32::INFINITY).then_some(limit)
+    }
+
+    /// Takes all edges up to a cost, block by block.
+    pub(super) fn sweep(&mut self, limit: f32, stop: Stop) {
+        for start in (0..self.key.len()).step_by(BLOCK) {
+            self.settle(start..(start + BLOCK).min(self.key.len()), limit, stop);
+        }
+        if self.gone as f64 > COMPACT_AT * self.key.len() as f64 {
+            self.compact();
+        }
     }
 
     /// Takes a block's edges up to a cost, in rounds.
@@ -135,24 +166,11 @@ impl<'w> Rounds<'w> {
         }
     }
 
-    /// The least cost, in steps of an eighth of an octave, up to which this share of some vertices' cheapest edges go;
-    /// infinite where there are no edges.
+    /// [`limit_of`] some of the vertices.
     fn limit_of(&mut self, vertices: Range<usize>, share: f64) -> f32 {
-        let infinite = (f32::INFINITY.to_bits() >> KEY_SHIFT) as usize;
         self.counts.fill(0);
-        for key in &self.key[vertices] {
-            self.counts[(key.to_bits() >> KEY_SHIFT) as usize] += 1;
-        }
-        let alive: u32 = self.counts[..infinite].iter().sum();
-        let wanted = (f64::from(alive) * share) as u32;
-        let mut sum = 0;
-        for (bin, &count) in self.counts[..infinite].iter().enumerate() {
-            sum += count;
-            if sum > wanted {
-                return f32::from_bits(((bin as u32 + 1) << KEY_SHIFT) - 1);
-            }
-        }
-        f32::INFINITY
+        count(&self.key[vertices], &mut self.counts);
+        limit_of(&self.counts, share)
     }
 
     /// Takes the edges of these vertices, the cheapest first.
@@ -170,6 +188,8 @@ impl<'w> Rounds<'w> {
     /// Takes the vertex's cheapest edge that may go, if it costs no more than `limit`.
     fn take(&mut self, v: u32, limit: f32, stop: Stop) {
         if self.work.is_gone(v) {
+            // it lost its last triangle with another's edge: it must not count as an edge to go
+            self.key[v as usize] = f32::INFINITY;
             return;
         }
         if self.state[v as usize] & EDGE_IS_STALE != 0 {
@@ -203,6 +223,7 @@ impl<'w> Rounds<'w> {
     fn collapse(&mut self, v: u32, partner: u32, weighed: Weighed, stop: Stop) -> bool {
         let estimate = self.estimate(v, partner, weighed.cost);
         if estimate > stop.error {
+            self.by_error = true;
             return false;
         }
         let (from, to) = (self.work.positions[v as usize], self.work.positions[partner as usize]);
@@ -212,12 +233,27 @@ impl<'w> Rounds<'w> {
         let way = to - from;
         let share = ((weighed.place - from).dot(way) / way.length_squared()).clamp(0.0, 1.0) as f32;
         let share = if stays == v { share } else { 1.0 - share };
+        let blended = if holds & hold::LOCKED == 0 { self.blend(v, partner, weighed.place) } else { None };
         if !self.work.collapse(goes, stays, weighed.place, share) {
             return false;
         }
         self.worst = self.worst.max(estimate);
-        self.gone += 1;
-        self.key[goes as usize] = f32::INFINITY;
+        for &gone in self.work.just_gone() {
+            self.key[gone as usize] = f32::INFINITY;
+            self.gone += 1;
+        }
+        if self.work.is_gone(stays) {
+            return true;
+        }
+        if let (Some((mut values, _)), Some(scales)) = (blended, &self.scales) {
+            let wedge = self.work.wedge(stays);
+            let own = self.work.appearance.weighable(wedge);
+            for ((value, scale), own) in values.iter_mut().zip(scales).zip(own) {
+                // what does not count was blended along the edge
+                *value = if *scale > 0.0 { *value / scale } else { own };
+            }
+            self.work.appearance.set_weighable(wedge, &values);
+        }
         let mut ring = std::mem::take(&mut self.ring);
         self.work.neighbours(stays, &mut ring);
         for &r in &ring {
@@ -263,7 +299,7 @@ impl<'w> Rounds<'w> {
                 (best, partner) = (cost, n);
             }
         };
-        if is_held(self.work, v) || ring.iter().any(|&n| is_held(self.work, n)) {
+        if self.scales.is_some() || is_held(self.work, v) || ring.iter().any(|&n| is_held(self.work, n)) {
             for &n in &ring {
                 consider(self.weigh_edge(v, n).cost, n);
             }
@@ -293,20 +329,35 @@ impl<'w> Rounds<'w> {
         let (sum_a, sum_b) = (&self.sums[a as usize], &self.sums[b as usize]);
         let (from, to) = (self.work.positions[a as usize], self.work.positions[b as usize]);
         let edge = to - from;
-        let [hold_a, hold_b] = [a, b].map(|v| self.work.holds[v as usize]);
-        if hold_a | hold_b == 0 {
-            let (place, cost) = best_place(sum_a, sum_b, edge);
-            return Weighed { cost: cost as f32, place: from + place };
-        }
-        match self.work.kept_end(a, b) {
+        let held = self.work.holds[a as usize] | self.work.holds[b as usize] != 0;
+        let kept = if held { self.work.kept_end(a, b) } else { Kept::Neither };
+        let mut weighed = match kept {
             Kept::First => Weighed { cost: sum_b.at(-edge) as f32, place: from },
             Kept::Second => Weighed { cost: sum_a.at(edge) as f32, place: to },
+            Kept::Both => return Weighed { cost: f32::INFINITY, place: from },
             Kept::Neither => {
                 let (place, cost) = best_place(sum_a, sum_b, edge);
                 Weighed { cost: cost as f32, place: from + place }
             }
-            Kept::Both => Weighed { cost: f32::INFINITY, place: from },
+        };
+        if let Some((_, change)) = self.blend(a, b, weighed.place) {
+            weighed.cost += change as f32;
         }
+        weighed
+    }
+
+    /// The best appearance at a place for an edge whose ends look the same from all sides, and what it changes.
+    fn blend(&self, a: u32, b: u32, place: DVec3) -> Option<([f32; VALUES], f64)> {
+        let scales = self.scales.as_ref()?;
+        if (self.work.holds[a as usize] | self.work.holds[b as usize]) & hold::CREASE != 0 {
+            return None;
+        }
+        let end = |v: u32| {
+            let mut values = self.work.appearance.weighable(self.work.wedge(v));
+            values.iter_mut().zip(scales).for_each(|(v, s)| *v *= s);
+            (&self.looks[v as usize], values, place - self.work.positions[v as usize])
+        };
+        Some(appearance_sum::blend([end(a), end(b)]))
     }
 
     /// Sums a vertex's planes anew if they have changed.
@@ -315,6 +366,9 @@ impl<'w> Rounds<'w> {
         if self.state[v as usize] & SUM_IS_STALE != 0 {
             let (sum, is_closed) = plane_sum(self.work, v);
             self.sums[v as usize] = sum;
+            if let Some(scales) = &self.scales {
+                self.looks[v as usize] = appearance_sum(self.work, v, scales);
+            }
             let state = &mut self.state[v as usize];
             *state = *state & !(SUM_IS_STALE | IS_CLOSED) | if is_closed { IS_CLOSED } else { 0 };
         }
@@ -322,18 +376,23 @@ impl<'w> Rounds<'w> {
 
     fn compact(&mut self) {
         let mut kept = 0;
-        let (sums, key, partner, state, sources) =
-            (&mut self.sums, &mut self.key, &mut self.partner, &mut self.state, &mut *self.sources);
+        let (sums, looks, key, partner, state, sources) =
+            (&mut self.sums, &mut self.looks, &mut self.key, &mut self.partner, &mut self.state, &mut *self.sources);
+        let has_looks = !looks.is_empty();
         self.work.compact(|v| {
             let v = v as usize;
             sums[kept] = sums[v];
             key[kept] = key[v];
+            if has_looks {
+                looks[kept] = looks[v];
+            }
             // partners have other numbers now
             (partner[kept], state[kept]) = (u32::MAX, state[v] | EDGE_IS_STALE);
             sources[kept] = sources[v];
             kept += 1;
         });
         sums.truncate(kept);
+        looks.truncate(kept);
         key.truncate(kept);
         partner.truncate(kept);
         state.truncate(kept);
@@ -342,47 +401,27 @@ impl<'w> Rounds<'w> {
     }
 }
 
-/// Which ends of an edge must stay where they are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kept {
-    Neither,
-    First,
-    Second,
-    Both,
+/// Keys that are infinite, among the counts.
+const INFINITE: usize = (f32::INFINITY.to_bits() >> KEY_SHIFT) as usize;
+
+/// Counts keys by their first bits.
+fn count(keys: &[f32], counts: &mut [u32]) {
+    for key in keys {
+        counts[(key.to_bits() >> KEY_SHIFT) as usize] += 1;
+    }
 }
 
-/// The planes around a vertex, with the lines of its borders and creases; and whether its star is closed: then every
-/// neighbour is next in one triangle and last in another.
-fn plane_sum(work: &Work, v: u32) -> (PlaneSum, bool) {
-    let at = work.positions[v as usize];
-    let star = work.star(v);
-    let mut balance = 0u64;
-    let mut sum = PlaneSum::default();
-    for some in star.chunks(ABREAST) {
-        // triangles without area, which add nothing, fill the lanes up
-        let mut corners = [[0f32; ABREAST]; 6];
-        for (k, corner) in some.iter().enumerate() {
-            let [_, b, c] = corner.turned(&work.triangles);
-            balance = balance.wrapping_add(mixed(b)).wrapping_sub(mixed(c));
-            let (b, c) = (work.positions[b as usize] - at, work.positions[c as usize] - at);
-            for (lane, v) in corners.iter_mut().zip([b.x, b.y, b.z, c.x, c.y, c.z]) {
-                lane[k] = v as f32;
-            }
+/// The least cost, in steps of an eighth of an octave, up to which this share of the counted edges go; infinite where there
+/// are none.
+fn limit_of(counts: &[u32], share: f64) -> f32 {
+    let all: u32 = counts[..INFINITE].iter().sum();
+    let wanted = (f64::from(all) * share) as u32;
+    let mut sum = 0;
+    for (bin, &count) in counts[..INFINITE].iter().enumerate() {
+        sum += count;
+        if sum > wanted {
+            return f32::from_bits(((bin as u32 + 1) << KEY_SHIFT) - 1);
         }
-        sum.add_triangles(&corners);
     }
-    let is_closed = balance == 0;
-    if !is_closed || work.holds[v as usize] & hold::CREASE != 0 {
-        work.for_lines(v, |n| sum.add_line((work.positions[n as usize] - at).as_vec3(), LINE_WEIGHT));
-    }
-    (sum, is_closed)
+    f32::INFINITY
 }
-
-/// Spreads a number over 64 bits so that sums of different numbers differ.
-fn mixed(v: u32) -> u64 {
-    let x = (u64::from(v) + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-    (x ^ (x >> 29)).wrapping_mul(0xBF58_476D_1CE4_E5B9)
-}
-
-/// How much a border's line weighs beside a surface.
-const LINE_WEIGHT: f32 = 1.0;

@@ -52,7 +52,9 @@ impl Stars {
             start.push(sum);
             sum += n;
         }
-        let mut pool = vec![Corner(0); sum as usize];
+        // room to grow until the mesh is compacted: memory that is not touched costs nothing, a move costs twice
+        let mut pool = Vec::with_capacity(sum as usize + (sum as usize / 8) * 5);
+        pool.resize(sum as usize, Corner(0));
         let mut next = start.clone();
         for (t, corners) in triangles.iter().enumerate() {
             for (k, &v) in corners.iter().enumerate() {

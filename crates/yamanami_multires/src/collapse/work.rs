@@ -3,7 +3,6 @@
 //! Based on: Dey, Edelsbrunner, Guha, Nekhayev, "Topology preserving edge contraction", 1999 (the link condition).
 
 use super::appearance::Appearance;
-use super::rounds::Kept;
 use super::stars::{Corner, Stars};
 use glam::DVec3;
 
@@ -19,6 +18,26 @@ pub(super) mod hold {
     pub(crate) const LOCKED: u8 = 1;
     /// Parts of different appearance meet at it.
     pub(crate) const CREASE: u8 = 2;
+}
+
+/// What a collapse would do to the surface.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Topology {
+    /// It stays what it is.
+    Kept,
+    /// A component of a few triangles goes as a whole.
+    Vanishes,
+    /// It would no longer be a surface, or another one.
+    Broken,
+}
+
+/// Which ends of an edge must stay where they are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kept {
+    Neither,
+    First,
+    Second,
+    Both,
 }
 
 /// A mesh to collapse.
@@ -38,6 +57,7 @@ pub(super) struct Work {
     marks: Vec<u32>,
     mark: u32,
     star: Vec<Corner>,
+    just_gone: Vec<u32>,
 }
 
 impl Work {
@@ -55,6 +75,7 @@ impl Work {
             marks: vec![0; vertices],
             mark: 0,
             star: Vec::new(),
+            just_gone: Vec::new(),
         };
         work.lock_what_is_no_surface();
         work.find_creases();
@@ -72,10 +93,20 @@ impl Work {
         self.stars.of(vertex)
     }
 
+    /// The wedge of a vertex that looks the same from all sides.
+    pub(super) fn wedge(&self, vertex: u32) -> u32 {
+        self.stars.of(vertex).first().map_or(0, |&corner| self.appearance.turned_wedges(corner)[0])
+    }
+
     /// Whether no triangle touches the vertex any more.
     #[inline]
     pub(super) fn is_gone(&self, vertex: u32) -> bool {
         self.stars.of(vertex).is_empty()
+    }
+
+    /// The vertices that the last collapse took away.
+    pub(super) fn just_gone(&self) -> &[u32] {
+        &self.just_gone
     }
 
     /// How many triangles have both vertices.
@@ -99,17 +130,22 @@ impl Work {
         }
     }
 
-    /// Merges `goes` into `stays` at `place` unless that folds, pinches or loses surface; gives whether it was done.
+    /// Merges `goes` into `stays` at `place` unless that folds, pinches or loses surface; gives whether it was done. Where
+    /// the two belong to a tetrahedron that stands alone, or to a lone triangle, all of that goes, but never the last.
     /// `share` is where the place lies on the way from `stays` to `goes`, for what is blended.
     pub(super) fn collapse(&mut self, goes: u32, stays: u32, place: DVec3, share: f32) -> bool {
-        if !self.keeps_topology(goes, stays)
-            || !self.keeps_turn(goes, stays, place)
-            || !self.keeps_turn(stays, goes, place)
-        {
+        match self.topology(goes, stays) {
+            Topology::Broken => return false,
+            Topology::Vanishes => return self.vanish(goes, stays),
+            Topology::Kept => (),
+        }
+        if !self.keeps_turn(goes, stays, place) || !self.keeps_turn(stays, goes, place) {
             return false;
         }
         let mut star = std::mem::take(&mut self.star);
         star.clear();
+        self.just_gone.clear();
+        self.just_gone.push(goes);
         self.appearance.merge(self.stars.of(goes), &self.triangles, goes, stays, share);
         for k in 0..self.stars.of(goes).len() {
             let corner = self.stars.of(goes)[k];
@@ -117,6 +153,9 @@ impl Work {
             if let Some(third) = third(self.triangles[t], goes, stays) {
                 self.stars.remove(third, t);
                 self.stars.remove(stays, t);
+                if self.stars.of(third).is_empty() {
+                    self.just_gone.push(third);
+                }
                 self.triangles[t] = [GONE; 3];
                 self.faces -= 1;
             } else {
@@ -133,48 +172,90 @@ impl Work {
         true
     }
 
-    /// The link condition: the two vertices share the neighbours that their common triangles name and no others; two border
-    /// vertices are joined by the border itself; and the surface there does not consist of these triangles alone.
-    fn keeps_topology(&mut self, a: u32, b: u32) -> bool {
+    /// Takes a whole small component away.
+    fn vanish(&mut self, a: u32, b: u32) -> bool {
+        let mut gone: Vec<usize> = [a, b].iter().flat_map(|&v| self.stars.of(v)).map(|c| c.triangle()).collect();
+        gone.sort_unstable();
+        gone.dedup();
+        let is_locked = |v: u32| self.holds[v as usize] & hold::LOCKED != 0;
+        if gone.len() >= self.faces || gone.iter().any(|&t| self.triangles[t].into_iter().any(is_locked)) {
+            return false;
+        }
+        self.just_gone.clear();
+        for t in gone {
+            for v in self.triangles[t] {
+                self.stars.remove(v, t);
+                if self.stars.of(v).is_empty() {
+                    self.just_gone.push(v);
+                }
+            }
+            self.triangles[t] = [GONE; 3];
+            self.faces -= 1;
+        }
+        true
+    }
+
+    /// The link condition: the two vertices share the neighbours that their common triangles name and no others, and two
+    /// border vertices are joined by the border itself. And no edge comes to be between two locked vertices, which may have one
+    /// already where another part of the mesh meets this one.
+    fn topology(&mut self, goes: u32, stays: u32) -> Topology {
         let mut common = 0;
         self.mark += 2;
-        let (of_a, of_both) = (self.mark - 1, self.mark);
-        let mut neighbours_a = 0;
-        for corner in self.stars.of(a) {
+        let (of_goes, of_both) = (self.mark - 1, self.mark);
+        let mut neighbours_goes = 0;
+        for corner in self.stars.of(goes) {
             let [_, p, q] = corner.turned(&self.triangles);
-            common += usize::from(p == b || q == b);
+            common += usize::from(p == stays || q == stays);
             for n in [p, q] {
-                neighbours_a += usize::from(self.marks[n as usize] != of_a);
-                self.marks[n as usize] = of_a;
+                neighbours_goes += usize::from(self.marks[n as usize] != of_goes);
+                self.marks[n as usize] = of_goes;
             }
         }
         if common == 0 || common > 2 {
-            return false;
+            return Topology::Broken;
         }
         let (mut shared, mut others) = (0, 0);
-        self.marks[a as usize] = of_both;
-        for corner in self.stars.of(b) {
+        self.marks[goes as usize] = of_both;
+        self.marks[stays as usize] = of_both;
+        for corner in self.stars.of(stays) {
             let [_, p, q] = corner.turned(&self.triangles);
             for n in [p, q] {
                 let mark = &mut self.marks[n as usize];
-                if *mark == of_a {
-                    shared += 1;
-                    *mark = of_both;
-                } else if *mark != of_both {
-                    others += 1;
-                    *mark = of_both;
-                }
+                shared += usize::from(*mark == of_goes);
+                others += usize::from(*mark != of_goes && *mark != of_both);
+                *mark = of_both;
             }
         }
         if shared != common {
-            return false;
+            return Topology::Broken;
         }
-        let (star_a, star_b) = (self.stars.of(a).len(), self.stars.of(b).len());
-        // `a` itself is a neighbour of `b`
-        let neighbours_b = shared + others + 1;
-        let (border_a, border_b) = (neighbours_a != star_a, neighbours_b != star_b);
-        let left = star_a + star_b - 2 * common;
-        if common == 2 { !(border_a && border_b) && left > 2 } else { left > 0 }
+        if self.holds[stays as usize] & hold::LOCKED != 0 {
+            let meets = |n: u32| self.marks[n as usize] == of_goes && self.holds[n as usize] & hold::LOCKED != 0;
+            let mut corners = self.stars.of(goes).iter().map(|c| c.turned(&self.triangles));
+            if corners.any(|[_, p, q]| meets(p) || meets(q)) {
+                return Topology::Broken;
+            }
+        }
+        let (star_goes, star_stays) = (self.stars.of(goes).len(), self.stars.of(stays).len());
+        // `goes` itself is a neighbour of `stays`
+        let neighbours_stays = shared + others + 1;
+        let both_on_border = neighbours_goes != star_goes && neighbours_stays != star_stays;
+        let left = star_goes + star_stays - 2 * common;
+        match (common, left) {
+            (1, 0) => Topology::Vanishes,
+            (2, 2) if star_goes == 3 && star_stays == 3 && self.is_tetrahedron(goes) => Topology::Vanishes,
+            (2, 0..=2) => Topology::Broken,
+            (2, _) if both_on_border => Topology::Broken,
+            _ => Topology::Kept,
+        }
+    }
+
+    /// Whether a vertex of three triangles and its neighbours are all of a component.
+    fn is_tetrahedron(&self, vertex: u32) -> bool {
+        self.stars
+            .of(vertex)
+            .iter()
+            .all(|c| c.turned(&self.triangles)[1..].iter().all(|&n| self.stars.of(n).len() == 3))
     }
 
     /// Whether no triangle of `moves` without `other` turns too far or loses its area when `moves` goes to `place`.
@@ -278,6 +359,12 @@ impl Work {
                 }
             }
         }
+    }
+
+    /// Lets go of what can be worked out from the rest.
+    pub(super) fn forget_stars(&mut self) {
+        self.stars = Stars::default();
+        self.marks = Vec::new();
     }
 
     /// Leaves out what is gone, keeping the order. `renumbered` hears of each vertex that stays, by its old number, in order.
