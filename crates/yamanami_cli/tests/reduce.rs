@@ -148,8 +148,8 @@ fn a_model_larger_than_memory_is_reduced_by_blocks() {
     assert!(line.contains("memory: ") && line.contains("given 3 MB"), "{line}");
     let line = error(folder, "reduce %/ball.obj -o %/small.ply --faces 900 --memory 3MB", 1);
     assert!(line.contains("only PLY files"), "{line}");
-    error(folder, "reduce %/ball.ply -o %/small.ply --memory 1GB", 2);
-    error(folder, "reduce %/ball.ply -o %/small.ply --faces 9 --error 1 --memory 1GB", 2);
+    let line = error(folder, "reduce %/ball.ply -o %/small.ply --memory 1GB", 2);
+    assert!(line.contains("how far?"), "{line}");
 }
 
 #[test]
