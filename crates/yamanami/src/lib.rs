@@ -55,7 +55,7 @@ pub use model::{Model, ModelBuild, ModelStoreOptions, ModelStored};
 pub use model_picture::{MODEL_BACKGROUND, coloured_style, model_pixels, model_style};
 pub use model_view::{model_camera, model_views, turn_back_y_up, turn_y_up};
 pub use path::{CameraPath, orbit, read_path, valley_run, write_path};
-pub use reduce::{DisplayNeed, POLYGONS_PER_PIXEL, Reduced, ReducedBy, display_need, reduce};
+pub use reduce::{DisplayNeed, POLYGONS_PER_PIXEL, Reduced, ReducedBy, display_need, reduce, reduce_within};
 
 pub use reproduce::hashida;
 pub use scene::{Scene, Update};

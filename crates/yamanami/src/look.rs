@@ -168,7 +168,7 @@ pub fn look_same(
     let original = Original::new(&mesh, views, true, false)?;
     let covered_px = model_pixels(&Canvas::of_mesh(&mesh, DrawWith::Software)?, views)?;
     let source = (method == Method::Garland97).then(|| mesh.clone());
-    let start = Reduced { mesh, by: ReducedBy::Nothing, estimate_m: 0.0 };
+    let start = Reduced { mesh, by: ReducedBy::Nothing, estimate_m: 0.0, certified_m: None };
     let search = Search { original: &original, method, source: source.as_ref() };
     let (reduced, difference, probes) = search.between(start, FEWEST_FACES, progress)?;
     Ok(LookSame { reduced, covered_px, limits: original.limits(), probes, difference })

@@ -223,7 +223,7 @@ impl Stage {
         let (mesh, difference) = self.best.take().unzip();
         let mesh = mesh.unwrap_or_else(|| source.clone());
         let search = Search { original: &self.originals[0], method: Method::Memoryless, source: None };
-        let start = Reduced { mesh, by: ReducedBy::Faces, estimate_m: 0.0 };
+        let start = Reduced { mesh, by: ReducedBy::Faces, estimate_m: 0.0, certified_m: None };
         let (best, better, _) = search.between(start, self.fails.max(1), &|_| ())?;
         self.found.look = better.or(difference).map(|difference| (best.mesh.triangles.len(), difference));
         Ok(self.found)

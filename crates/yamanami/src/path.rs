@@ -60,7 +60,7 @@ fn around(bounds: Aabb, frames: usize, viewport_px: [u32; 2]) -> CameraPath {
         .map(|i| {
             let turn = std::f64::consts::TAU * i as f64 / frames as f64;
             let towards_eye = DQuat::from_rotation_z(turn) * first;
-            let eye = centre + towards_eye * farthest_m * (0.7 + 0.3 * turn.cos());
+            let eye = centre + towards_eye * farthest_m * (0.8 + 0.2 * turn.cos());
             View { eye, target: centre, fov_y_rad: FOV_Y_RAD, viewport_px }
         })
         .collect();

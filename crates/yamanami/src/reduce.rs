@@ -5,7 +5,7 @@
 use crate::model_picture::model_pixels;
 use crate::{Canvas, DrawWith, Error};
 use yamanami_core::{TriangleMesh, View};
-use yamanami_multires::collapse::{CollapseOptions, Collapsed, StoppedBy, collapse};
+use yamanami_multires::collapse::{CollapseOptions, Collapsed, CollapsedWithin, StoppedBy, collapse, collapse_within};
 
 /// Polygons a pixel that Mizuno et al. found to be the least without a visible loss.
 pub const POLYGONS_PER_PIXEL: f64 = 50.0;
@@ -57,18 +57,34 @@ pub struct Reduced {
     pub by: ReducedBy,
     /// The largest distance of a step by its own estimate, metres.
     pub estimate_m: f64,
+    /// The two-sided distance to the source is certain not to be larger, metres; `None` where that was not asked for.
+    pub certified_m: Option<f64>,
 }
 
 /// Reduces a model as `options` say; one that is small enough is given back as it is.
 pub fn reduce(mesh: TriangleMesh, options: &CollapseOptions<'_>) -> Reduced {
     if mesh.triangles.len() <= options.target_faces {
-        return Reduced { mesh, by: ReducedBy::Nothing, estimate_m: 0.0 };
+        return Reduced { mesh, by: ReducedBy::Nothing, estimate_m: 0.0, certified_m: None };
     }
-    let Collapsed { mesh, stopped_by, estimate_m, .. } = collapse(&mesh, options);
+    reduced(collapse(&mesh, options), None)
+}
+
+/// Reduces a model as far as its surface and the source's are certain to stay within `limit_m` metres of each other, and no
+/// further than `options` say.
+pub fn reduce_within(mesh: TriangleMesh, limit_m: f64, options: &CollapseOptions<'_>) -> Reduced {
+    if mesh.triangles.len() <= options.target_faces {
+        return Reduced { mesh, by: ReducedBy::Nothing, estimate_m: 0.0, certified_m: Some(0.0) };
+    }
+    let CollapsedWithin { collapsed, certified_m } = collapse_within(&mesh, limit_m, options);
+    reduced(collapsed, Some(certified_m))
+}
+
+fn reduced(collapsed: Collapsed, certified_m: Option<f64>) -> Reduced {
+    let Collapsed { mesh, stopped_by, estimate_m, .. } = collapsed;
     let by = match stopped_by {
         StoppedBy::Target => ReducedBy::Faces,
         StoppedBy::Error => ReducedBy::Error,
         StoppedBy::Topology => ReducedBy::Topology,
     };
-    Reduced { mesh, by, estimate_m }
+    Reduced { mesh, by, estimate_m, certified_m }
 }

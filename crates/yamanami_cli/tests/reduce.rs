@@ -130,6 +130,29 @@ fn models_are_drawn() {
 }
 
 #[test]
+fn a_model_larger_than_memory_is_reduced_by_blocks() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    ball(folder, 64);
+    json(folder, "reduce %/ball.obj -o %/ball.ply --ratio 1");
+    let result = json(folder, "reduce %/ball.ply -o %/small.ply --ratio 0.05 --memory 27MB");
+    let source = 4 * 64 * 63;
+    assert_eq!((result["source_faces"].as_u64(), result["stopped_by"].as_str()), (Some(source), Some("target")));
+    assert!(result["blocks"][0].as_u64() > Some(2) && result["faces"].as_u64().unwrap().abs_diff(source / 20) <= 2);
+    let seen = json(folder, "info %/small.ply");
+    assert_eq!(seen["faces"], result["faces"], "{seen}");
+    let text = stdout(folder, "reduce %/ball.ply -o %/small.ply --faces 900 --memory 27MB");
+    assert!(text.contains("blocks") && text.contains("allowed"), "{text}");
+    assert!(stdout(folder, "reduce %/ball.ply -o %/small.ply --faces 900 --memory 1GB").contains("fits into memory"));
+    let line = error(folder, "reduce %/ball.ply -o %/small.ply --faces 900 --memory 3MB", 1);
+    assert!(line.contains("memory: ") && line.contains("given 3 MB"), "{line}");
+    let line = error(folder, "reduce %/ball.obj -o %/small.ply --faces 900 --memory 3MB", 1);
+    assert!(line.contains("only PLY files"), "{line}");
+    error(folder, "reduce %/ball.ply -o %/small.ply --memory 1GB", 2);
+    error(folder, "reduce %/ball.ply -o %/small.ply --faces 9 --error 1 --memory 1GB", 2);
+}
+
+#[test]
 fn what_makes_no_sense_is_said_in_a_line() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();

@@ -130,6 +130,25 @@ fn a_large_mesh_streams_as_it_is_read_whole() {
 }
 
 #[test]
+fn what_does_not_come_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.ply");
+    let mut mesh = large();
+    let left_out = |mesh: &TriangleMesh| {
+        write_mesh(&path, mesh, &MeshMeta::default()).unwrap();
+        let stream = MeshStream::open(&path, folder.path()).unwrap();
+        assert_eq!(stream.bytes(), std::fs::metadata(&path).unwrap().len());
+        stream.left_out()
+    };
+    assert!(left_out(&mesh).is_empty());
+    mesh.normals = vec![[0.0, 0.0, 1.0]; mesh.positions.len()];
+    mesh.texcoords = vec![[0.5; 2]; mesh.positions.len()];
+    mesh.colours = vec![[9; 4]; mesh.positions.len()];
+    assert_eq!(left_out(&mesh), ["normals", "texture coordinates"]);
+    assert_eq!(streamed(&path).unwrap().colours, mesh.colours);
+}
+
+#[test]
 fn text_streams_with_any_space_between() {
     let mut text = String::from(
         "ply\nformat ascii 1.0\nelement vertex 62500\nproperty float x\nproperty float y\nproperty float z\n\
@@ -210,8 +229,18 @@ fn real_files_stream_as_they_are_read_whole() {
         let whole = read_mesh(&path).unwrap();
         let mut stream = MeshStream::open(&path, scratch.path()).unwrap();
         let (mut positions, mut triangles) = (Vec::new(), Vec::new());
-        stream.each_vertex_run(&mut |run| Ok(positions.extend_from_slice(run.positions))).unwrap();
-        stream.each_triangle_run(&mut |run| Ok(triangles.extend_from_slice(run))).unwrap();
+        stream
+            .each_vertex_run(&mut |run| {
+                positions.extend_from_slice(run.positions);
+                Ok(())
+            })
+            .unwrap();
+        stream
+            .each_triangle_run(&mut |run| {
+                triangles.extend_from_slice(run);
+                Ok(())
+            })
+            .unwrap();
         assert!(positions == whole.positions && triangles == whole.triangles, "{}", path.display());
     }
 }

@@ -44,7 +44,7 @@ fn model(count: u32) -> Model {
     for group in 0..count {
         let (vertices, triangles) = grid(10, f64::from(group) * 0.1, 1.0, 0.05);
         // every third corner is one that an ancestor brought
-        let id = |v: u32| if v % 3 == 0 { v % 60 } else { next_vertex + v };
+        let id = |v: u32| if v.is_multiple_of(3) { v % 60 } else { next_vertex + v };
         nodes.push(ClusterNode {
             error_m: 1.0 / f64::from(group + 1) as f32,
             bound: Sphere { centre: DVec3::new(1.0, 2.0, f64::from(group)), radius_m: 3.3 },

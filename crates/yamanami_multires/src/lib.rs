@@ -1,8 +1,9 @@
 //! Builders of multiresolution surfaces.
 //!
 //! [`wavelet`] holds the terrain quadtree: a height field of any size as a 4-to-1 triangle quadtree with the lazy
-//! wavelet, its guaranteed vertical errors, and the surface that emits any parent-closed front of it. [`clean`] prepares
-//! scans. This crate never sees a view, a frame, a file or a GPU.
+//! wavelet, its guaranteed vertical errors, and the surface that emits any parent-closed front of it. [`collapse`] reduces
+//! meshes, [`cluster`] makes the hierarchy of a scan, [`bound`] certifies distances between meshes, [`clean`] mends scans.
+//! This crate never sees a view, a frame, a file or a GPU.
 
 pub mod bound;
 pub mod clean;

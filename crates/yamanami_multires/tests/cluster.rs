@@ -97,6 +97,21 @@ fn the_result_does_not_depend_on_the_threads() {
 }
 
 #[test]
+fn the_unit_of_length_does_not_matter() {
+    let mesh = ring(120, 60);
+    let mut large = mesh.clone();
+    large.positions.iter_mut().for_each(|p| *p *= 1024.0);
+    let (one, other) = (built(&mesh), built(&large));
+    assert_eq!(one.base.triangles, other.base.triangles);
+    for (a, b) in one.pages.iter().zip(&other.pages) {
+        assert_eq!(a.triangles, b.triangles);
+    }
+    for (a, b) in one.nodes.iter().zip(&other.nodes) {
+        assert!((a.error_m * 1024.0 - b.error_m).abs() <= 1e-3 * b.error_m, "{} {}", a.error_m, b.error_m);
+    }
+}
+
+#[test]
 fn open_sheets_and_pieces_are_built_down_to_little() {
     // a sheet with a wavy border and a hole
     let n = 60;

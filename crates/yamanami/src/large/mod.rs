@@ -89,6 +89,8 @@ pub struct LargeReport {
     pub scratch_bytes: u64,
     /// What ended the last collapse.
     pub stopped_by: StoppedBy,
+    /// Attributes of the source that did not pass through blocks.
+    pub left_out: Vec<&'static str>,
 }
 
 /// A mesh that is read in passes.
@@ -147,7 +149,7 @@ pub fn reduce_large(
         return in_memory(read_mesh(input)?, output, options, progress);
     }
     let mut stream = MeshStream::open(input, folder)?;
-    if stream.faces() <= plan.most_faces() && file_bytes <= plan.most_file_bytes() {
+    if stream.faces() <= plan.most_faces() && stream.bytes() <= plan.most_file_bytes() {
         drop(stream);
         return in_memory(read_mesh(input)?, output, options, progress);
     }
@@ -160,6 +162,7 @@ pub fn reduce_large(
         joined_faces: 0,
         scratch_bytes: 0,
         stopped_by: StoppedBy::Target,
+        left_out: stream.left_out(),
     };
     let mut pieces: Option<Pieces> = None;
     while pieces.as_ref().is_none_or(|p| p.faces() > plan.most_faces()) {
@@ -220,6 +223,7 @@ fn in_memory(
         joined_faces: source_faces,
         scratch_bytes: 0,
         stopped_by: collapsed.stopped_by,
+        left_out: Vec::new(),
     })
 }
 

@@ -108,8 +108,8 @@ impl<'a> Sorter<'a> {
     }
 
     fn finish(self) -> Result<(), IoError> {
-        let streams = self.buffers.iter().enumerate();
-        streams.map(|(k, buffer)| self.scratch.append(self.first + k, buffer)).collect()
+        let mut streams = self.buffers.iter().enumerate();
+        streams.try_for_each(|(k, buffer)| self.scratch.append(self.first + k, buffer))
     }
 }
 

@@ -1,6 +1,7 @@
 //! `reduce`: a model with fewer polygons.
 
-use super::reduce_text;
+use super::cleaning::CleanArgs;
+use super::{reduce_memory, reduce_text};
 use crate::args::{EyeArgs, UpArgs};
 use crate::failure::Failure;
 use crate::progress::Bar;
@@ -10,10 +11,11 @@ use std::path::PathBuf;
 use std::time::Instant;
 use yamanami::core::{TriangleMesh, View};
 use yamanami::io::mesh_file::{self, MeshMeta};
+use yamanami::multires::clean::CleanReport;
 use yamanami::multires::collapse::{CollapseOptions, Method};
 use yamanami::{
-    Closing, DisplayNeed, LookSame, POLYGONS_PER_PIXEL, Probe, Reduced, ReducedBy, close, display_need, look_same,
-    model_camera, model_views, reduce, seen_side,
+    Closing, DisplayNeed, LargeTarget, LookSame, POLYGONS_PER_PIXEL, Probe, Reduced, ReducedBy, close, display_need,
+    look_same, model_camera, model_views, reduce, reduce_within, seen_side,
 };
 
 /// Reduce a model to fewer polygons: to a number, to an error, or to what a display can show
@@ -22,18 +24,19 @@ use yamanami::{
 Examples:
   yamanami reduce scan.ply -o small.glb --faces 100000
   yamanami reduce scan.ply -o small.ply --ratio 10%
-  yamanami reduce scan.ply -o small.ply --error 0.002              no step further than 2 mm
+  yamanami reduce scan.ply -o small.ply --error 0.002              within 2 mm of the scan, both ways, for certain
   yamanami reduce scan.ply -o small.ply --display 1920x1080        50 polygons for each pixel it covers
   yamanami reduce scan.ply -o small.ply --display 800x600 --views 8 --polygons-per-pixel 2
   yamanami reduce scan.ply -o small.ply --look same                as few as look the same at 1920x1080
   yamanami reduce scan.ply -o small.ply --display 1280x720 --hide-back close
                                                 the side that is not seen becomes one polygon
+  yamanami reduce huge.ply -o small.ply --ratio 1% --memory 2GB    a scan larger than memory
 
 With --display the model is drawn off-screen and the pixels it covers are counted; of several views the
 one that covers most counts. Several limits hold together; the output says which one ended it.")]
 pub(crate) struct ReduceArgs {
     /// The mesh: .ply, .obj, .stl, .off, .glb or .gltf
-    mesh: PathBuf,
+    pub(super) mesh: PathBuf,
     /// The mesh to write: .ply, .obj, .stl, .off or .glb
     #[arg(short, long, value_name = "FILE", help_heading = "Results")]
     pub(super) output: PathBuf,
@@ -43,7 +46,8 @@ pub(crate) struct ReduceArgs {
     /// Such a share of the faces: 0.1 or 10%
     #[arg(long, value_name = "R", value_parser = values::ratio, help_heading = "How far", conflicts_with_all = ["display", "look"])]
     ratio: Option<f64>,
-    /// No step that moves the surface further than this, metres (units of the file)
+    /// As far as the reduced surface and the source are certain to stay within so many metres (units of the file) of each
+    /// other everywhere
     #[arg(long, value_name = "M", value_parser = values::not_negative, help_heading = "How far", conflicts_with = "look")]
     error: Option<f64>,
     /// What a display of this size can show
@@ -61,6 +65,9 @@ pub(crate) struct ReduceArgs {
     /// What becomes of the side that no view sees
     #[arg(long, value_enum, value_name = "HOW", help_heading = "How")]
     hide_back: Option<HideName>,
+    /// Hold no more than this, as 500MB or 2GB; a .ply may be larger then. For --faces and --ratio
+    #[arg(long, value_name = "SIZE", value_parser = values::memory, help_heading = "How", conflicts_with_all = ["error", "display", "look", "hide_back", "views", "eye", "clean", "weld", "drop_pieces", "orient"])]
+    memory: Option<u64>,
     #[command(flatten)]
     eye: EyeArgs,
     #[command(flatten)]
@@ -70,7 +77,9 @@ pub(crate) struct ReduceArgs {
     fov: Option<f64>,
     /// Which collapse
     #[arg(long, value_enum, default_value_t, value_name = "NAME", help_heading = "How")]
-    method: MethodName,
+    pub(super) method: MethodName,
+    #[command(flatten)]
+    cleaning: CleanArgs,
     /// Print JSON
     #[arg(long, help_heading = "Results")]
     pub(super) json: bool,
@@ -78,7 +87,7 @@ pub(crate) struct ReduceArgs {
 
 /// Names of the collapses.
 #[derive(Debug, Clone, Copy, Default, ValueEnum)]
-enum MethodName {
+pub(super) enum MethodName {
     /// Quadrics worked out anew from the surface at hand, volume kept
     #[default]
     Memoryless,
@@ -113,6 +122,7 @@ pub(super) struct Told<'a> {
     pub(super) args: &'a ReduceArgs,
     /// Faces and vertices of the source.
     pub(super) source: [usize; 2],
+    pub(super) cleaned: Option<CleanReport>,
     pub(super) display: Option<[u32; 2]>,
     pub(super) views: &'a [View],
     pub(super) need: Option<DisplayNeed>,
@@ -134,12 +144,19 @@ pub(crate) fn run(args: &ReduceArgs) -> Result<(), Failure> {
     if display.is_none() && (args.hide_back.is_some() || args.views.is_some() || args.eye.eye.is_some()) {
         return Err(Failure::misuse("seen on what? views need a --display WxH"));
     }
+    if let Some(memory_bytes) = args.memory {
+        // one of both was asked for
+        let ratio = LargeTarget::Ratio(args.ratio.unwrap_or(1.0));
+        let target = args.faces.map_or(ratio, |faces| LargeTarget::Faces(faces as u64));
+        return reduce_memory::run(args, target, memory_bytes);
+    }
     let mut mesh = {
         let _bar = Bar::spinner("reading");
         mesh_file::read_mesh(&args.mesh)?
     };
     args.up.turn(&mut mesh);
     let source = [mesh.triangles.len(), mesh.positions.len()];
+    let cleaned = args.cleaning.apply(&mut mesh);
     let views = display.map_or_else(Vec::new, |size| views(args, &mesh, size));
     let need = match display {
         Some(_) => {
@@ -191,6 +208,7 @@ pub(crate) fn run(args: &ReduceArgs) -> Result<(), Failure> {
     reduce_text::tell(&Told {
         args,
         source,
+        cleaned,
         display,
         views: &views,
         need,
@@ -210,12 +228,14 @@ fn to_target(args: &ReduceArgs, mesh: TriangleMesh, target_faces: usize) -> Redu
     let progress = |share| bar.set_share(share);
     let options = CollapseOptions {
         target_faces,
-        max_error_m: args.error.unwrap_or(f64::INFINITY),
         method: args.method.method(),
         progress: Some(&progress),
         ..CollapseOptions::default()
     };
-    reduce(mesh, &options)
+    match args.error {
+        Some(limit_m) => reduce_within(mesh, limit_m, &options),
+        None => reduce(mesh, &options),
+    }
 }
 
 /// Searches for the smallest mesh that looks the same.
@@ -240,7 +260,7 @@ fn views(args: &ReduceArgs, mesh: &TriangleMesh, size_px: [u32; 2]) -> Vec<View>
 }
 
 impl MethodName {
-    fn method(self) -> Method {
+    pub(super) fn method(self) -> Method {
         match self {
             Self::Memoryless => Method::Memoryless,
             Self::Garland97 => Method::Garland97,

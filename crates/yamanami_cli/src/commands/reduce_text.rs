@@ -1,5 +1,6 @@
 //! What `reduce` tells of its work.
 
+use super::cleaning;
 use super::reduce::Told;
 use crate::failure::Failure;
 use crate::{out, text};
@@ -28,6 +29,8 @@ fn as_json(told: &Told<'_>) -> Result<(), Failure> {
             ReducedBy::Topology => "topology",
         },
         "estimate_m": told.reduced.estimate_m,
+        "certified_m": told.reduced.certified_m,
+        "cleaned": told.cleaned.as_ref().map(cleaning::to_json),
         "reduce_s": told.reduce_s,
         "bytes": told.bytes,
     });
@@ -70,6 +73,9 @@ fn as_text(told: &Told<'_>) -> Result<(), Failure> {
     let (mesh, [faces, vertices]) = (&told.reduced.mesh, told.source);
     let count = |n: usize| text::count(n as u64);
     out::row("source", format_args!("{} faces, {} vertices", count(faces), count(vertices)))?;
+    if let Some(cleaned) = &told.cleaned {
+        cleaning::tell(cleaned)?;
+    }
     if let (Some(need), Some([width, height])) = (&told.need, told.display) {
         for (i, (&covered, view)) in need.covered_px.iter().zip(told.views).enumerate() {
             let name = if i == 0 { "view" } else { "" };
@@ -104,6 +110,12 @@ fn as_text(told: &Told<'_>) -> Result<(), Failure> {
         ),
     )?;
     out::row("ended by", ending(told))?;
+    if let Some(certified_m) = told.reduced.certified_m {
+        out::row(
+            "certified",
+            format_args!("never further than {} m from the source, both ways", text::number(certified_m)),
+        )?;
+    }
     if let Some(closing) = told.closing {
         out::row("closed", closing_text(&closing))?;
     }
@@ -197,10 +209,7 @@ fn ending(told: &Told<'_>) -> String {
             format!("nothing to do: the source has {faces} faces{least}")
         }
         ReducedBy::Faces => "the target".to_owned(),
-        ReducedBy::Error => format!(
-            "the error: steps moved the surface by up to {} m by their own estimate",
-            text::number(told.reduced.estimate_m)
-        ),
+        ReducedBy::Error => "the error: the next step would not have been certain to stay within it".to_owned(),
         ReducedBy::Topology => {
             let wanted = if told.target > 0 {
                 format!("; {} were wanted", text::count(told.target as u64))

@@ -12,6 +12,7 @@ Examples:
   yamanami view dem.yama
   yamanami view dem.tif --budget 200000 --tolerance-px 1
   yamanami view dem.yama --path flight.json                  replay a recorded path
+  yamanami view scan.yama                                    around a model
 
 All that is set here can be changed in the window.")]
 pub(crate) struct ViewArgs {
@@ -38,22 +39,29 @@ pub(crate) struct ViewArgs {
 
 #[cfg(feature = "viewer")]
 pub(crate) fn run(args: &ViewArgs) -> Result<(), Failure> {
-    let terrain = crate::inputs::terrain(&args.source)?;
+    match crate::inputs::subject(&args.source)? {
+        crate::inputs::Opened::Terrain(terrain) => open(args, *terrain),
+        crate::inputs::Opened::Model(model) => open(args, *model),
+    }
+}
+
+#[cfg(feature = "viewer")]
+fn open(args: &ViewArgs, subject: impl yamanami::Subject + 'static) -> Result<(), Failure> {
     let size = args.lens.size.unwrap_or([1280, 800]);
-    let view = crate::args::view(&args.eye, &args.lens, &terrain, size);
+    let view = crate::args::view(&args.eye, &args.lens, &subject, size);
     let asked = args.eye.eye.is_some() || args.lens.fov.is_some();
-    let path = args.path.as_ref().map(|file| yamanami::read_path(&terrain, file, size)).transpose()?;
+    let path = args.path.as_ref().map(|file| yamanami::read_path(&subject, file, size)).transpose()?;
     let criteria = args.fineness.criteria(Some(view), !args.lens.no_cull, 1.0);
     let options = crate::view::Options {
         criteria: args.control.limit(criteria),
-        lod: args.control.lod(&terrain, args.fineness.tolerance),
+        lod: args.control.lod(&subject, args.fineness.tolerance),
         path,
         view: asked.then_some(view),
         image: args.image.clone(),
         size,
         screenshot: args.screenshot.clone(),
     };
-    crate::view::run(terrain, options).map_err(Failure::failed)
+    crate::view::run(subject, options).map_err(Failure::failed)
 }
 
 #[cfg(not(feature = "viewer"))]

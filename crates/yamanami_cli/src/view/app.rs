@@ -13,7 +13,7 @@ use eframe::wgpu;
 use glam::DVec3;
 use std::path::{Path, PathBuf};
 use yamanami::core::View;
-use yamanami::{CameraPath, Error, Terrain};
+use yamanami::{CameraPath, Error, Subject};
 
 /// Longest frame that counts, seconds: after a stall the camera does not leap.
 const LONGEST_FRAME_S: f64 = 0.1;
@@ -27,11 +27,11 @@ const DOUBLE_CLICK: f64 = 0.4;
 const FLIGHT_VIEWS: usize = 20 * VIEWS_PER_S as usize;
 
 /// The window's state.
-pub(super) struct Viewer {
-    stage: Stage,
+pub(super) struct Viewer<S> {
+    stage: Stage<S>,
     settings: Settings,
     rig: Rig,
-    /// The start is over all of the terrain: to be fitted to the picture once its size is known.
+    /// The start is over all of it: to be fitted to the picture once its size is known.
     fit_start: bool,
     plots: Plots,
     last: Option<Numbers>,
@@ -51,21 +51,24 @@ pub(super) struct Viewer {
     failure: Failure,
 }
 
-impl Viewer {
+impl<S: Subject> Viewer<S> {
     /// Sets the window up.
     pub(super) fn new(
         context: &eframe::CreationContext<'_>,
-        terrain: Terrain,
+        subject: S,
         options: Options,
         failure: Failure,
     ) -> Result<Self, String> {
         let render = context.wgpu_render_state.clone().ok_or("no window: it has no graphics device")?;
         context.egui_ctx.set_theme(egui::Theme::Dark);
-        let home = options.view.unwrap_or_else(|| yamanami::overview(&terrain, options.size));
+        let home = options.view.unwrap_or_else(|| yamanami::overview(&subject, options.size));
         let mut settings = Settings::new(&options);
+        if subject.as_terrain().is_none() {
+            settings.colour = Colour::Own;
+        }
         // four samples a pixel are dear where the processor draws
         settings.antialias = render.adapter.get_info().device_type != wgpu::DeviceType::Cpu;
-        let mut stage = Stage::new(render, terrain, &settings);
+        let mut stage = Stage::new(render, subject, &settings);
         if let Some(image) = &options.image {
             stage.lay_image(image)?;
         }
@@ -89,6 +92,12 @@ impl Viewer {
         })
     }
 
+    /// What may colour the surface now.
+    fn colours(&self) -> Vec<Colour> {
+        let has_image = self.stage.has_image();
+        self.stage.colours().into_iter().filter(|&c| c != Colour::Image || has_image).collect()
+    }
+
     fn tell(&mut self, ui: &egui::Ui, line: impl Into<String>) {
         self.message = Some((line.into(), ui.input(|i| i.time)));
     }
@@ -101,7 +110,7 @@ impl Viewer {
             }
             Action::ChangeMode => {
                 let mode = if self.rig.mode() == Mode::Orbit { Mode::Fly } else { Mode::Orbit };
-                let ahead = Ground::of(&self.stage.terrain).hit(view.eye, view.forward());
+                let ahead = Ground::of(&self.stage.subject).hit(view.eye, view.forward());
                 self.rig.set_mode(mode, ahead);
                 self.tell(ui, if mode == Mode::Fly { "Flight: W A S D, Q E, drag to look" } else { "Orbit" });
             }
@@ -122,16 +131,20 @@ impl Viewer {
             Action::SavePath => {
                 if let Some(path) = &self.path {
                     let file = free_name("yamanami-path", "json");
-                    yamanami::write_path(&self.stage.terrain, path, &file)?;
+                    yamanami::write_path(&self.stage.subject, path, &file)?;
                     self.tell(ui, format!("Saved {}", file.display()));
                 }
             }
             Action::Orbit => {
-                let path = yamanami::orbit(&self.stage.terrain, FLIGHT_VIEWS, view.viewport_px);
+                let path = yamanami::orbit(&self.stage.subject, FLIGHT_VIEWS, view.viewport_px);
                 self.player = Player::new(path);
             }
             Action::ValleyRun => {
-                let path = yamanami::valley_run(&self.stage.terrain, FLIGHT_VIEWS, view.viewport_px)?;
+                let Some(terrain) = self.stage.subject.as_terrain() else {
+                    self.tell(ui, "A model has no valleys");
+                    return Ok(());
+                };
+                let path = yamanami::valley_run(terrain, FLIGHT_VIEWS, view.viewport_px)?;
                 self.player = Player::new(path);
             }
             Action::Picture => {
@@ -158,7 +171,7 @@ impl Viewer {
     }
 
     fn open_path(&mut self, file: &Path, viewport_px: [u32; 2]) -> Result<(), String> {
-        let path = yamanami::read_path(&self.stage.terrain, file, viewport_px).map_err(|error| error.to_string())?;
+        let path = yamanami::read_path(&self.stage.subject, file, viewport_px).map_err(|error| error.to_string())?;
         self.player = Player::new(path.clone());
         self.path = Some(path);
         Ok(())
@@ -172,7 +185,7 @@ impl Viewer {
 
     /// Moves the camera by mouse, keys or a replayed path, and gives what it sees.
     fn move_camera(&mut self, ui: &egui::Ui, response: &Response, viewport_px: [u32; 2], dt_s: f64) -> View {
-        let ground = Ground::of(&self.stage.terrain);
+        let ground = Ground::of(&self.stage.subject);
         let view = self.rig.view(viewport_px);
         let scale = [
             f64::from(viewport_px[0]) / f64::from(response.rect.width().max(1.0)),
@@ -230,7 +243,7 @@ impl Viewer {
             (side_px.round().max(1.0) as u32).min(longest_px)
         });
         if std::mem::take(&mut self.fit_start) {
-            self.rig = Rig::new(yamanami::overview(&self.stage.terrain, viewport_px));
+            self.rig = Rig::new(yamanami::overview(&self.stage.subject, viewport_px));
         }
         self.drops(ui, viewport_px);
         let view = self.move_camera(ui, &response, viewport_px, dt_s);
@@ -262,8 +275,8 @@ impl Viewer {
     /// What lies over the picture.
     fn over(&mut self, ui: &egui::Ui, rect: Rect, response: &Response, view: &View) {
         let painter = ui.painter_at(rect);
-        let terrain = &self.stage.terrain;
-        let ground = Ground::of(terrain);
+        let subject = &self.stage.subject;
+        let ground = Ground::of(subject);
         if let Some(held) = self.stage.frozen() {
             overlay::held_view(&painter, rect, view, held, &ground);
         }
@@ -271,7 +284,7 @@ impl Viewer {
         let mode = if self.rig.mode() == Mode::Fly { format!("flight x{:.1}, ", self.rig.pace) } else { String::new() };
         let above_m = view.eye.z - ground.height_m(view.eye.truncate());
         let above = if ground.holds(view.eye.truncate()) { format!(" ({above_m:.0} m up)") } else { String::new() };
-        let mut text = format!("{mode}eye {}{above}", overlay::place(terrain, view.eye));
+        let mut text = format!("{mode}eye {}{above}", overlay::place(subject, view.eye));
         let pointed = response.hover_pos().and_then(|at| {
             let offset = at - rect.min;
             let side = |offset: f32, side: f32, px: u32| f64::from(offset / side.max(1.0)) * f64::from(px);
@@ -282,7 +295,7 @@ impl Viewer {
             ground.hit(view.eye, ray_through(view, pixel))
         });
         if let Some(point) = pointed {
-            text += &format!("   cursor {}", overlay::place(terrain, point));
+            text += &format!("   cursor {}", overlay::place(subject, point));
         }
         overlay::line(&painter, rect.left_bottom() + vec2(8.0, -8.0), Align2::LEFT_BOTTOM, &text);
         let time = ui.input(|i| i.time);
@@ -310,11 +323,12 @@ impl Viewer {
     }
 }
 
-impl eframe::App for Viewer {
+impl<S: Subject> eframe::App for Viewer<S> {
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
         let dt_s = ui.input(|i| f64::from(i.stable_dt)).min(LONGEST_FRAME_S);
         let before = self.settings.clone();
-        let mut action = keys::pressed(ui, &mut self.settings, self.stage.has_image());
+        let colours = self.colours();
+        let mut action = keys::pressed(ui, &mut self.settings, &colours);
         if self.panel {
             let shown = Shown {
                 stage: &self.stage,

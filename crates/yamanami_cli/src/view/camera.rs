@@ -71,7 +71,7 @@ impl Pose {
             pivot: view.target,
             heading_rad: forward.x.atan2(forward.y),
             pitch_rad: forward.z.clamp(-1.0, 1.0).asin().clamp(-STEEPEST_RAD, STEEPEST_RAD),
-            reach_m: (view.target - view.eye).length().max(1e-3),
+            reach_m: (view.target - view.eye).length().max(1e-9),
         }
     }
 
@@ -143,7 +143,7 @@ impl Rig {
         self.mode = mode;
         let reach_m = match mode {
             Mode::Fly => FLIGHT_REACH_M,
-            Mode::Orbit => ahead.map_or(1000.0 * FLIGHT_REACH_M, |p| (p - self.now.eye()).length()),
+            Mode::Orbit => ahead.map_or(self.home.eye.distance(self.home.target), |p| (p - self.now.eye()).length()),
         };
         self.goal = self.goal.with_reach(reach_m);
         self.now = self.now.with_reach(reach_m);
@@ -238,15 +238,14 @@ impl Rig {
 
     /// Height of the eye above the land, metres.
     pub(super) fn height_above_m(&self, ground: &Ground<'_>) -> f64 {
-        let eye = self.now.eye();
-        (eye.z - ground.height_m(eye.truncate())).max(0.0)
+        ground.height_above_m(self.now.eye())
     }
 
     /// Moves the goal, at most a diagonal beyond the terrain's border.
     fn move_goal(&mut self, by: DVec3, ground: &Ground<'_>) {
         let room_m = ground.diagonal_m();
-        let min = DVec3::new(-room_m, -ground.extent_m[1] - room_m, ground.range_m[0] - room_m);
-        let max = DVec3::new(ground.extent_m[0] + room_m, room_m, ground.range_m[1] + 2.0 * room_m);
+        let min = ground.bounds.min - DVec3::splat(room_m);
+        let max = ground.bounds.max + DVec3::new(room_m, room_m, 2.0 * room_m);
         self.goal.pivot = (self.goal.pivot + by).clamp(min, max);
     }
 }

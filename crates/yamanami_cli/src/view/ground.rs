@@ -1,36 +1,44 @@
-//! Where the land is, for the camera: heights from what is in memory, and the point under the cursor.
+//! Where the land is, for the camera: heights from what is in memory, and the point under the cursor. A model has no land.
 
 use glam::{DVec2, DVec3};
-use yamanami::Terrain;
-use yamanami::core::{LatticeNode, View};
+use yamanami::core::{Aabb, LatticeNode, View};
 use yamanami::multires::wavelet::TerrainData;
+use yamanami::{Subject, Terrain};
 
 /// Steps of a ray through the terrain's box before the crossing is narrowed down.
 const RAY_STEPS: usize = 384;
 /// Halvings of the step in which a ray meets the land.
 const HALVINGS: usize = 24;
 
-/// The land as a height over the plane.
+/// The land as a height over the plane; around a model it is infinitely far down.
 pub(super) struct Ground<'a> {
     height_m: Box<dyn Fn(DVec2) -> f64 + 'a>,
-    /// East-west and north-south extent, metres.
-    pub(super) extent_m: [f64; 2],
-    /// Lowest and highest height, metres.
-    pub(super) range_m: [f64; 2],
+    /// The box of the whole, metres.
+    pub(super) bounds: Aabb,
     /// The eye keeps this far above the land, metres.
     pub(super) clearance_m: f64,
 }
 
 impl<'a> Ground<'a> {
-    /// The land of a terrain, as fine as its data are in memory at each place.
-    pub(super) fn of(terrain: &'a Terrain) -> Self {
+    /// The land of a terrain, as fine as its data are in memory at each place; or none.
+    pub(super) fn of(subject: &'a impl Subject) -> Self {
+        let bounds = subject.bounds();
+        let Some(terrain) = subject.as_terrain() else {
+            let clearance_m = 1e-3 * bounds.diagonal();
+            return Self { height_m: Box::new(|_| f64::NEG_INFINITY), bounds, clearance_m };
+        };
         let step_m = terrain.geo().step_m;
         Self {
             height_m: Box::new(|place| finest_height_m(terrain, place)),
-            extent_m: terrain.extent_m(),
-            range_m: terrain.range_m().map(f64::from),
+            bounds,
             clearance_m: (0.2 * step_m[0].min(step_m[1])).clamp(1.5, 30.0),
         }
+    }
+
+    /// Height of a place above the land; where there is none, the distance from the middle of the model.
+    pub(super) fn height_above_m(&self, place: DVec3) -> f64 {
+        let land_m = self.height_m(place.truncate());
+        if land_m.is_finite() { (place.z - land_m).max(0.0) } else { place.distance(self.bounds.centre()) }
     }
 
     /// Height of the land at a place, metres; beyond the border that of the border.
@@ -40,18 +48,18 @@ impl<'a> Ground<'a> {
 
     /// Length of the diagonal of the terrain's box, metres.
     pub(super) fn diagonal_m(&self) -> f64 {
-        DVec3::new(self.extent_m[0], self.extent_m[1], self.range_m[1] - self.range_m[0]).length()
+        self.bounds.diagonal()
     }
 
-    /// Whether a place lies on the terrain.
+    /// Whether a place lies over the land.
     pub(super) fn holds(&self, place: DVec2) -> bool {
-        (0.0..=self.extent_m[0]).contains(&place.x) && (-self.extent_m[1]..=0.0).contains(&place.y)
+        let (min, max) = (self.bounds.min.truncate(), self.bounds.max.truncate());
+        place.cmpge(min).all() && place.cmple(max).all() && self.height_m(place).is_finite()
     }
 
     /// The first point of the land on a ray, if it meets any.
     pub(super) fn hit(&self, eye: DVec3, direction: DVec3) -> Option<DVec3> {
-        let min = DVec3::new(0.0, -self.extent_m[1], self.range_m[0] - 1.0);
-        let max = DVec3::new(self.extent_m[0], 0.0, self.range_m[1] + 1.0);
+        let (min, max) = (self.bounds.min - DVec3::Z, self.bounds.max + DVec3::Z);
         let (mut near, mut far) = (0.0f64, f64::INFINITY);
         for axis in 0..3 {
             let (t0, t1) = ((min[axis] - eye[axis]) / direction[axis], (max[axis] - eye[axis]) / direction[axis]);
@@ -131,8 +139,7 @@ pub(super) mod tests {
     pub(in super::super) fn slope() -> Ground<'static> {
         Ground {
             height_m: Box::new(|p| 100.0 + 0.1 * (p.y.clamp(-1000.0, 0.0) + 1000.0)),
-            extent_m: [2000.0, 1000.0],
-            range_m: [100.0, 200.0],
+            bounds: Aabb { min: DVec3::new(0.0, -1000.0, 100.0), max: DVec3::new(2000.0, 0.0, 200.0) },
             clearance_m: 2.0,
         }
     }

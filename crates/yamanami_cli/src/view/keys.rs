@@ -19,7 +19,7 @@ const ACTIONS: [(Key, Action); 9] = [
 ];
 
 /// What keys pressed in this frame ask for; those for the looks turn the settings at once.
-pub(super) fn pressed(ui: &egui::Ui, settings: &mut Settings, has_image: bool) -> Option<Action> {
+pub(super) fn pressed(ui: &egui::Ui, settings: &mut Settings, colours: &[Colour]) -> Option<Action> {
     if ui.text_edit_focused() {
         return None;
     }
@@ -32,9 +32,8 @@ pub(super) fn pressed(ui: &egui::Ui, settings: &mut Settings, has_image: bool) -
         })
     };
     if pressed(Key::C) {
-        let choices = Colour::ALL.len() - usize::from(!has_image);
-        let next = Colour::ALL.iter().position(|&c| c == settings.colour).map_or(0, |i| (i + 1) % choices);
-        settings.colour = Colour::ALL[next];
+        let next = colours.iter().position(|&c| c == settings.colour).map_or(0, |i| (i + 1) % colours.len());
+        settings.colour = colours[next];
     }
     settings.wireframe ^= pressed(Key::L);
     settings.morph ^= pressed(Key::G);

@@ -1,4 +1,4 @@
-//! `yamanami view`: a window to fly over a terrain, with every control of the surface at hand.
+//! `yamanami view`: a window to fly over a terrain or around a model, with every control of the surface at hand.
 //!
 //! [`run`] opens it and comes back when it is closed. The parts: [`app`] is one frame after another, [`camera`] moves the
 //! eye, [`ground`] tells where the land is, [`stage`] keeps the scene and draws it on a texture, [`settings`] is what the
@@ -21,7 +21,7 @@ use eframe::{egui, egui_wgpu, wgpu};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 use yamanami::core::View;
-use yamanami::{CameraPath, Criteria, Lod, Terrain};
+use yamanami::{CameraPath, Criteria, Lod, Subject};
 
 /// How the window starts.
 #[derive(Debug, Clone)]
@@ -34,7 +34,7 @@ pub(crate) struct Options {
     pub(crate) path: Option<CameraPath>,
     /// Where the camera starts; `None`: over all of the terrain.
     pub(crate) view: Option<View>,
-    /// An image to lay over the terrain.
+    /// An image to lay over a terrain.
     pub(crate) image: Option<PathBuf>,
     /// Size of the window in points.
     pub(crate) size: [u32; 2],
@@ -60,8 +60,8 @@ impl Default for Options {
 type Failure = Arc<Mutex<Option<String>>>;
 
 /// Opens the window and stays until it is closed. The error is one line.
-pub(crate) fn run(terrain: Terrain, options: Options) -> Result<(), String> {
-    let title = format!("{} - yamanami", terrain.title());
+pub(crate) fn run(subject: impl Subject + 'static, options: Options) -> Result<(), String> {
+    let title = format!("{} - yamanami", subject.title());
     let native = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
             .with_title(&title)
@@ -74,7 +74,7 @@ pub(crate) fn run(terrain: Terrain, options: Options) -> Result<(), String> {
     let failure = Failure::default();
     let seen = Arc::clone(&failure);
     let create: eframe::AppCreator<'_> =
-        Box::new(move |context| Ok(Box::new(app::Viewer::new(context, terrain, options, failure)?)));
+        Box::new(move |context| Ok(Box::new(app::Viewer::new(context, subject, options, failure)?)));
     eframe::run_native("yamanami", native, create).map_err(|error| in_words(&error))?;
     let reason = seen.lock().ok().and_then(|mut reason| reason.take());
     reason.map_or(Ok(()), Err)

@@ -3,7 +3,7 @@
 use super::ground::{Ground, ray_through};
 use eframe::egui::{self, Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, pos2, vec2};
 use glam::{DVec2, DVec3, DVec4};
-use yamanami::Terrain;
+use yamanami::Subject;
 use yamanami::core::{Perspective, Projection, View};
 
 /// Colour of the held view's lines.
@@ -111,8 +111,12 @@ pub(super) fn line(painter: &Painter, at: Pos2, anchor: Align2, text: &str) {
 }
 
 /// A place in the source's coordinates.
-pub(super) fn place(terrain: &Terrain, point: DVec3) -> String {
-    let [x, y] = terrain.geo().source_from_local(point.x, point.y);
+pub(super) fn place(subject: &impl Subject, point: DVec3) -> String {
+    let DVec3 { x, y, .. } = subject.source_from_local(point);
+    let Some(terrain) = subject.as_terrain() else {
+        let [x, y, z] = point.to_array().map(crate::text::number);
+        return format!("{x}, {y}, {z}");
+    };
     if terrain.geo().crs.geographic {
         format!("{x:.5}, {y:.5}, {:.0} m", point.z)
     } else {

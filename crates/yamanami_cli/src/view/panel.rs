@@ -6,7 +6,7 @@ use super::settings::{Colour, Control, Settings};
 use super::stage::{Numbers, Stage};
 use eframe::egui::{self, Slider, SliderClamping, Ui};
 use std::ops::RangeInclusive;
-use yamanami::Terrain;
+use yamanami::Subject;
 
 /// What a button or a key asks for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,8 +35,8 @@ pub(super) struct Plots {
 }
 
 /// What the panel tells of.
-pub(super) struct Shown<'a> {
-    pub(super) stage: &'a Stage,
+pub(super) struct Shown<'a, S> {
+    pub(super) stage: &'a Stage<S>,
     pub(super) plots: &'a Plots,
     pub(super) last: Option<Numbers>,
     /// Views taken down so far, while recording.
@@ -76,7 +76,12 @@ impl Plots {
 }
 
 /// Shows the panel and gives what was asked for.
-pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>, settings: &mut Settings, rig: &mut Rig) -> Option<Action> {
+pub(super) fn show(
+    ui: &mut Ui,
+    shown: &Shown<'_, impl Subject>,
+    settings: &mut Settings,
+    rig: &mut Rig,
+) -> Option<Action> {
     let mut action = None;
     egui::ScrollArea::vertical().auto_shrink([false, true]).show(ui, |ui| {
         ui.spacing_mut().slider_width = 108.0;
@@ -99,10 +104,10 @@ fn section(ui: &mut Ui, title: &str, content: impl FnOnce(&mut Ui)) {
     egui::CollapsingHeader::new(egui::RichText::new(title).strong()).default_open(true).show_unindented(ui, content);
 }
 
-fn header(ui: &mut Ui, shown: &Shown<'_>) {
-    let terrain = &shown.stage.terrain;
-    ui.heading(terrain.title());
-    ui.label(what_it_is(terrain));
+fn header(ui: &mut Ui, shown: &Shown<'_, impl Subject>) {
+    let subject = &shown.stage.subject;
+    ui.heading(subject.title());
+    ui.label(what_it_is(subject));
     if let Some(last) = &shown.last {
         let bound = format!("{} triangles, bound by {}", short(last.triangles as f64), last.limited_by);
         ui.label(bound).on_hover_text(format!(
@@ -113,8 +118,12 @@ fn header(ui: &mut Ui, shown: &Shown<'_>) {
     ui.small(shown.stage.device());
 }
 
-/// Size, extent, range and CRS of a terrain.
-fn what_it_is(terrain: &Terrain) -> String {
+/// Size, extent, range and CRS of a terrain; faces and size of a model.
+fn what_it_is(subject: &impl Subject) -> String {
+    let Some(terrain) = subject.as_terrain() else {
+        let size = (subject.bounds().max - subject.bounds().min).to_array().map(crate::text::number);
+        return format!("{} faces\n{}", crate::text::count(subject.full_triangles()), size.join(" x "));
+    };
     let [columns, rows] = terrain.size();
     let [east_m, north_m] = terrain.extent_m();
     let [low_m, high_m] = terrain.range_m();
@@ -134,7 +143,7 @@ fn log_slider<'a>(value: &'a mut f32, range: RangeInclusive<f32>, least: f64, su
     Slider::new(value, range).logarithmic(true).smallest_positive(least).suffix(suffix).clamping(SliderClamping::Edits)
 }
 
-fn fineness(ui: &mut Ui, shown: &Shown<'_>, settings: &mut Settings) {
+fn fineness(ui: &mut Ui, shown: &Shown<'_, impl Subject>, settings: &mut Settings) {
     ui.horizontal(|ui| {
         ui.radio_value(&mut settings.control, Control::Exact, "exact")
             .on_hover_text("Largest error first; the budget is met in the same frame");
@@ -176,7 +185,7 @@ fn fineness(ui: &mut Ui, shown: &Shown<'_>, settings: &mut Settings) {
     }
 }
 
-fn front(ui: &mut Ui, shown: &Shown<'_>, settings: &mut Settings, action: &mut Option<Action>) {
+fn front(ui: &mut Ui, shown: &Shown<'_, impl Subject>, settings: &mut Settings, action: &mut Option<Action>) {
     ui.horizontal(|ui| {
         ui.radio_value(&mut settings.rebuild, false, "differences")
             .on_hover_text("Only what changed is written to the graphics device");
@@ -199,9 +208,9 @@ fn front(ui: &mut Ui, shown: &Shown<'_>, settings: &mut Settings, action: &mut O
     }
 }
 
-fn looks(ui: &mut Ui, stage: &Stage, settings: &mut Settings) {
+fn looks(ui: &mut Ui, stage: &Stage<impl Subject>, settings: &mut Settings) {
     ui.horizontal(|ui| {
-        for colour in Colour::ALL {
+        for colour in stage.colours() {
             ui.add_enabled_ui(colour != Colour::Image || stage.has_image(), |ui| {
                 ui.selectable_value(&mut settings.colour, colour, colour.name())
                     .on_disabled_hover_text("Drop an image file on the window");
@@ -226,7 +235,7 @@ fn looks(ui: &mut Ui, stage: &Stage, settings: &mut Settings) {
     ui.checkbox(&mut light.multi_directional, "side lights");
 }
 
-fn camera(ui: &mut Ui, shown: &Shown<'_>, rig: &mut Rig, action: &mut Option<Action>) {
+fn camera(ui: &mut Ui, shown: &Shown<'_, impl Subject>, rig: &mut Rig, action: &mut Option<Action>) {
     let mut fov_deg = rig.fov_y_rad.to_degrees();
     if ui.add(Slider::new(&mut fov_deg, 10.0..=100.0).suffix("°").fixed_decimals(0).text("field of view")).changed() {
         rig.fov_y_rad = fov_deg.to_radians();
@@ -245,7 +254,8 @@ fn camera(ui: &mut Ui, shown: &Shown<'_>, rig: &mut Rig, action: &mut Option<Act
     });
     ui.horizontal(|ui| {
         button(ui, true, "Fly around", Action::Orbit, action);
-        button(ui, true, "Fly the valleys", Action::ValleyRun, action);
+        let is_terrain = shown.stage.subject.as_terrain().is_some();
+        button(ui, is_terrain, "Fly the valleys", Action::ValleyRun, action);
     });
 }
 

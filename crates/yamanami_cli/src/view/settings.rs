@@ -4,7 +4,7 @@ use super::Options;
 use std::sync::Arc;
 use yamanami::core::View;
 use yamanami::gpu::{ColourBy, Drape, Haze, Light, Morph, RenderOptions, Wireframe};
-use yamanami::{Criteria, Lod, Staircase, Terrain, ViewCriterion};
+use yamanami::{Criteria, Lod, Staircase, Subject, ViewCriterion};
 
 /// Colour where the surface is to be plain, sRGB.
 const PLAIN: [u8; 3] = [206, 200, 188];
@@ -27,6 +27,8 @@ pub(super) enum Control {
 /// What colours the surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Colour {
+    /// The model's own.
+    Own,
     /// Hypsometric tint.
     Height,
     /// Depth of the vertices' nodes.
@@ -38,12 +40,15 @@ pub(super) enum Colour {
 }
 
 impl Colour {
-    /// All, in the order of the panel.
-    pub(super) const ALL: [Self; 4] = [Self::Height, Self::Level, Self::Plain, Self::Image];
+    /// Those of a terrain, in the order of the panel.
+    pub(super) const OF_TERRAIN: [Self; 4] = [Self::Height, Self::Level, Self::Plain, Self::Image];
+    /// Those of a model.
+    pub(super) const OF_MODEL: [Self; 4] = [Self::Own, Self::Height, Self::Level, Self::Plain];
 
     /// Word for the panel.
     pub(super) fn name(self) -> &'static str {
         match self {
+            Self::Own => "own",
             Self::Height => "height",
             Self::Level => "level",
             Self::Plain => "plain",
@@ -136,27 +141,27 @@ impl Settings {
     /// The style of the picture. `threshold_px` is what is in force, where details may fade in.
     pub(super) fn style(
         &self,
-        terrain: &Terrain,
+        subject: &impl Subject,
         drape: Option<&Arc<Drape>>,
         threshold_px: Option<f32>,
     ) -> RenderOptions {
-        let levels = terrain.surface().numbers().lattice().levels();
+        let usual = subject.usual_style();
         RenderOptions {
             colour: match self.colour {
+                Colour::Own => usual.colour,
                 Colour::Height => ColourBy::Height,
                 Colour::Level => ColourBy::Level,
                 Colour::Plain => ColourBy::Plain(PLAIN),
                 Colour::Image => ColourBy::Drape,
             },
-            tint_range_m: Some(terrain.range_m().map(f64::from)),
-            deepest_level: levels.saturating_sub(1).max(1),
+            deepest_level: usual.deepest_level.saturating_sub(1).max(1),
             drape: drape.cloned(),
             light: self.light,
             morph: threshold_px.filter(|_| self.morph).map(|tau_px| Morph { tau_px, width: MORPH_WIDTH }),
             wireframe: self.wireframe.then(Wireframe::default),
-            haze: if self.haze { Haze::Auto } else { Haze::None },
+            haze: if self.haze { usual.haze } else { Haze::None },
             antialias: self.antialias,
-            ..RenderOptions::default()
+            ..usual
         }
     }
 }

@@ -1,15 +1,14 @@
-//! The terrain, its scene on the window's graphics device, and the texture that the picture is drawn on.
+//! The terrain or model, its scene on the window's graphics device, and the texture that the picture is drawn on.
 
-use super::settings::{Control, Settings};
+use super::settings::{Colour, Control, Settings};
 use eframe::{egui, egui_wgpu, wgpu};
-use glam::DVec3;
 use image::RgbaImage;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 use yamanami::core::View;
 use yamanami::gpu::{Drape, Gpu};
-use yamanami::{Canvas, Error, LimitedBy, Scene, Terrain, Upload};
+use yamanami::{Canvas, Error, LimitedBy, Scene, Subject, Upload};
 
 /// egui shows textures of this format; the shaders encode sRGB themselves.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
@@ -51,9 +50,9 @@ struct Drawn {
     image: u32,
 }
 
-/// The scene with its terrain and its picture.
-pub(super) struct Stage {
-    pub(super) terrain: Terrain,
+/// The scene with its terrain or model and its picture.
+pub(super) struct Stage<S> {
+    pub(super) subject: S,
     scene: Scene,
     render: egui_wgpu::RenderState,
     target: Option<Target>,
@@ -71,17 +70,14 @@ pub(super) struct Stage {
     settled: bool,
 }
 
-impl Stage {
+impl<S: Subject> Stage<S> {
     /// Sets the scene up on the window's device.
-    pub(super) fn new(render: egui_wgpu::RenderState, terrain: Terrain, settings: &Settings) -> Self {
+    pub(super) fn new(render: egui_wgpu::RenderState, subject: S, settings: &Settings) -> Self {
         let gpu = Gpu::from_device(render.device.clone(), render.queue.clone());
-        let [east_m, north_m] = terrain.extent_m();
-        let [low_m, high_m] = terrain.range_m().map(f64::from);
-        let centre = DVec3::new(0.5 * east_m, -0.5 * north_m, 0.5 * (low_m + high_m));
-        let mut scene = Scene::new(&terrain, Canvas::on_gpu(&gpu, centre));
-        scene.restart(&terrain, &settings.lod(diagonal_m(&terrain)));
+        let mut scene = Scene::new(&subject, Canvas::on_gpu(&gpu, subject.bounds().centre()));
+        scene.restart(&subject, &settings.lod(diagonal_m(&subject)));
         Self {
-            terrain,
+            subject,
             scene,
             render,
             target: None,
@@ -122,6 +118,11 @@ impl Stage {
         self.frozen = view;
     }
 
+    /// What may colour the surface, in the order of the panel; an image only where there is one.
+    pub(super) fn colours(&self) -> [Colour; 4] {
+        if self.subject.as_terrain().is_some() { Colour::OF_TERRAIN } else { Colour::OF_MODEL }
+    }
+
     /// Whether an image lies over the terrain.
     pub(super) fn has_image(&self) -> bool {
         self.drape.is_some()
@@ -138,7 +139,8 @@ impl Stage {
         limits.max_alloc = Some(IMAGE_BYTES);
         reader.limits(limits);
         let picture = reader.decode().map_err(|error| failed(&error))?.into_rgba8();
-        let [east_m, north_m] = self.terrain.extent_m();
+        let terrain = self.subject.as_terrain().ok_or("an image is laid over terrain; this is a model")?;
+        let [east_m, north_m] = terrain.extent_m();
         self.drape = Some(Arc::new(Drape::over_box(picture, [0.0, -north_m], [east_m, 0.0])));
         self.images += 1;
         Ok(())
@@ -146,7 +148,7 @@ impl Stage {
 
     /// Starts another control from the base mesh where the settings ask for it.
     pub(super) fn restart(&mut self, settings: &Settings) {
-        self.scene.restart(&self.terrain, &settings.lod(diagonal_m(&self.terrain)));
+        self.scene.restart(&self.subject, &settings.lod(diagonal_m(&self.subject)));
         (self.quiet_frames, self.settled) = (0, false);
     }
 
@@ -160,7 +162,7 @@ impl Stage {
         let mut numbers = self.scene_numbers(view, settings)?;
         let started = Instant::now();
         let style =
-            settings.style(&self.terrain, self.drape.as_ref(), self.threshold_px.filter(|_| self.frozen.is_none()));
+            settings.style(&self.subject, self.drape.as_ref(), self.threshold_px.filter(|_| self.frozen.is_none()));
         self.resize(view.viewport_px);
         if let Some(target) = &self.target {
             self.scene.draw_on(&target.view, FORMAT, &view, &style)?;
@@ -180,10 +182,10 @@ impl Stage {
         self.texture
     }
 
-    /// The terrain's picture as it is shown, without what lies over it.
+    /// The picture as it is shown, without what lies over it.
     pub(super) fn picture(&mut self, view: &View, settings: &Settings) -> Result<RgbaImage, Error> {
         let style =
-            settings.style(&self.terrain, self.drape.as_ref(), self.threshold_px.filter(|_| self.frozen.is_none()));
+            settings.style(&self.subject, self.drape.as_ref(), self.threshold_px.filter(|_| self.frozen.is_none()));
         self.scene.draw(view, &style)
     }
 
@@ -202,11 +204,11 @@ impl Stage {
         }
         let criteria = settings.criteria(view);
         let update = if settings.rebuild {
-            let mut update = self.scene.rebuild(&self.terrain, &criteria)?;
-            update.pages = self.terrain.load(&update.report.wanted, PAGES_PER_FRAME)?;
+            let mut update = self.scene.rebuild(&self.subject, &criteria)?;
+            update.pages = self.subject.load(&update.report.wanted, PAGES_PER_FRAME)?;
             update
         } else {
-            self.scene.update(&mut self.terrain, &criteria)?
+            self.scene.update(&mut self.subject, &criteria)?
         };
         let report = &update.report;
         let changed = report.refined + report.coarsened;
@@ -257,7 +259,8 @@ impl Stage {
     }
 }
 
-fn diagonal_m(terrain: &Terrain) -> f64 {
-    let [east_m, north_m] = terrain.extent_m();
-    east_m.hypot(north_m)
+/// The diagonal in plan.
+fn diagonal_m(subject: &impl Subject) -> f64 {
+    let bounds = subject.bounds();
+    (bounds.max - bounds.min).truncate().length()
 }

@@ -20,7 +20,7 @@ pub(super) struct Coded {
     pub(super) residuals: Vec<i32>,
     pub(super) contexts: Vec<u8>,
     symbols: Vec<i8>,
-    pub(super) members: [Member; CONTEXTS],
+    members: [Member; CONTEXTS],
 }
 
 impl Coded {

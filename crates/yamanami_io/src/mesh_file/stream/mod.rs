@@ -124,6 +124,24 @@ impl MeshStream {
         self.elements[self.face].count
     }
 
+    /// Bytes of the file, unpacked.
+    pub fn bytes(&self) -> u64 {
+        self.length
+    }
+
+    /// What the file says of the mesh that does not come by stretches.
+    pub fn left_out(&self) -> Vec<&'static str> {
+        let has = |element: usize, names: &[&str]| self.elements[element].property(names).is_some();
+        let mut left_out = Vec::new();
+        if has(self.vertex, &["nx"]) {
+            left_out.push("normals");
+        }
+        if has(self.vertex, &["s", "u", "texture_u", "texture_s"]) || has(self.face, &["texcoord"]) {
+            left_out.push("texture coordinates");
+        }
+        left_out
+    }
+
     /// Whether vertices have colours.
     pub fn has_colours(&self) -> bool {
         self.layout.has_colours()

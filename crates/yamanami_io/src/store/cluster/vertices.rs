@@ -34,7 +34,7 @@ impl Packed {
         let mut place = [0; 3];
         for axis in 0..3 {
             let steps = ((vertex.position_m[axis] - origin[axis]) / quantum_m).round();
-            if !(steps.abs() < f64::from(1 << 30)) {
+            if steps.is_nan() || steps.abs() >= f64::from(1 << 30) {
                 return None;
             }
             place[axis] = steps as i32;
