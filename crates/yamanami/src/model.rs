@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use std::path::Path;
 use yamanami_core::{Aabb, BASE_CLUSTERS, ClusterPage, Hierarchy, NodeId, TriangleMesh};
 use yamanami_gpu::RenderOptions;
-use yamanami_io::store::{ClusterMeta, ClusterStore, ClusterWriter, put_in_order};
+use yamanami_io::store::{ClusterCodec, ClusterMeta, ClusterStore, ClusterWriter, Rounding, put_in_order};
 use yamanami_io::{IoError, mesh_file};
 use yamanami_multires::cluster::{ClusterBuild, ClusterOptions, ClusterSurface, build};
 
@@ -101,19 +101,23 @@ impl ModelBuild {
             None => ClusterMeta::usual_quantum_m(&bounds, self.mean_edge_m),
         };
         let all = || std::iter::once(&build.base).chain(&build.pages);
-        let meta = ClusterMeta {
+        let mut meta = ClusterMeta {
             title: self.facts.title.clone(),
             source: options.source.clone(),
             source_faces: self.facts.faces,
             source_vertices: self.facts.vertices,
             bounds,
             quantum_m,
+            max_error_m: 0.0,
             has_colours: self.facts.has_colours,
             nodes: build.nodes.len() as u32,
             triangles: all().map(|p| p.triangles.len() as u64).sum(),
             vertices: all().map(|p| p.vertices.len() as u64).sum(),
         };
-        let max_error_m = meta.max_error_m();
+        let mut rounding = Rounding::new(ClusterCodec::new(&meta));
+        std::iter::once(&mut build.base).chain(&mut build.pages).try_for_each(|page| rounding.round(page))?;
+        let max_error_m = rounding.max_error_m();
+        meta.max_error_m = max_error_m;
         if let Some(asked_m) = options.max_error_m.filter(|&asked_m| asked_m < max_error_m) {
             return Err(Error::Request(format!(
                 "{}: a model of this size is stored within {max_error_m:e} m at best, {asked_m:e} m was asked for",

@@ -68,7 +68,7 @@ fn what_is_extracted_is_closed_coloured_and_within_the_tolerance() {
                 let report = conformity(&found.mesh);
                 assert_eq!([report.open_edges, report.non_manifold_edges, report.inconsistent_edges], [0; 3]);
                 assert_eq!(found.mesh.colours.len(), found.mesh.positions.len());
-                let stored_m = paged.store().unwrap().meta().max_error_m();
+                let stored_m = paged.store().unwrap().meta().max_error_m;
                 let distance = surface_distance(&found.mesh, &mesh, 200_000, 1);
                 assert!(
                     distance.hausdorff_m <= f64::from(tolerance_m).max(stored_m),
@@ -110,7 +110,7 @@ fn differences_lead_where_a_rebuild_does() {
     }
     // the database's errors are larger by as much for every node, so the order of refinement is about the same
     let all = |node: u32| paged.surface().error_m(node) - whole.surface().error_m(node);
-    let most = paged.store().unwrap().meta().max_error_m() as f32 * 1.01 + 1e-6;
+    let most = paged.store().unwrap().meta().max_error_m as f32 * 1.01 + 1e-6;
     assert!((0..whole.surface().node_bound()).all(|n| all(n) >= 0.0 && all(n) < most));
     let mesh = of_pages.front();
     assert_eq!(paged.surface().mesh_of(mesh).triangles.len(), of_pages.canvas().buffers().triangle_count());
@@ -118,7 +118,7 @@ fn differences_lead_where_a_rebuild_does() {
 
 #[test]
 fn only_the_pages_of_a_view_are_read_and_a_small_memory_suffices() {
-    let (_, mut paged, _folder) = both(&ring(400, 250));
+    let (_, mut paged, _folder) = both(&ring(240, 150));
     let mut scene = Scene::new(&paged, canvas());
     let bytes = paged.surface().resident_bytes();
     scene.memory_bytes = 1 << 20;

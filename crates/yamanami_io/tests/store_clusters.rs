@@ -6,7 +6,7 @@ use std::path::Path;
 use yamanami_core::{Aabb, BASE_CLUSTERS, ClusterNode, ClusterPage, ClusterVertex, Sphere};
 use yamanami_io::IoError;
 use yamanami_io::store::{
-    ClusterCodec, ClusterMeta, ClusterStore, ClusterWriter, PageShape, TerrainStore, put_in_order,
+    ClusterCodec, ClusterMeta, ClusterStore, ClusterWriter, PageShape, Rounding, TerrainStore, put_in_order,
 };
 
 /// A hierarchy as a builder would hand it over: a wavy square, and nodes that make a part of it finer.
@@ -75,6 +75,7 @@ impl Model {
             source_faces: 9000,
             source_vertices: 4500,
             quantum_m: ClusterMeta::usual_quantum_m(&bounds, 0.05),
+            max_error_m: ClusterMeta::usual_quantum_m(&bounds, 0.05) * 3f64.sqrt() / 2.0,
             bounds,
             has_colours: true,
             nodes: self.nodes.len() as u32,
@@ -131,7 +132,7 @@ fn a_file_comes_back() {
     store.verify().unwrap();
     assert_eq!(store.meta(), &model.meta());
     assert_eq!(store.base_clusters(), model.base_clusters);
-    let max_error_m = store.meta().max_error_m();
+    let max_error_m = store.meta().max_error_m;
     for (stored, node) in store.nodes().iter().zip(&model.nodes) {
         let mut widened = node.clone();
         widened.error_m = stored.error_m;
@@ -296,16 +297,46 @@ fn facts_that_cannot_be_are_refused() {
     assert!(create(&|m| m.bounds.max.x = -1.0).contains("a box"));
     let mut far = model.base.clone();
     far.vertices[3].position_m[1] = 1e9;
-    assert!(ClusterCodec::new(&model.meta()).encode(&far, 0).unwrap_err().to_string().contains("far off"));
+    assert!(ClusterCodec::new(&model.meta()).encode(&far, 0).unwrap_err().to_string().contains("one at"));
     far.vertices[3].position_m[1] = f64::NAN;
-    assert!(ClusterCodec::new(&model.meta()).quantise(&mut far).is_err());
+    assert!(Rounding::new(ClusterCodec::new(&model.meta())).round(&mut far).is_err());
     // quanta that suit the box, whatever is asked for
     let bounds = model.meta().bounds;
     for wanted_m in [0.0, 1e-30, 1e-6, 0.01, f64::INFINITY] {
         let meta = ClusterMeta { quantum_m: ClusterMeta::quantum_within_m(&bounds, wanted_m), ..model.meta() };
-        assert!(wanted_m < 1e-7 || meta.max_error_m() <= wanted_m, "{wanted_m}");
+        assert!(wanted_m < 1e-7 || meta.quantum_m * 1.5 * 3f64.sqrt() <= wanted_m, "{wanted_m}");
         ClusterWriter::create(&path, meta, &model.nodes, 81, &model.base_clusters).unwrap();
     }
+}
+
+#[test]
+fn vertices_nearer_than_a_quantum_stay_apart_and_what_is_rounded_is_stored_as_it_is() {
+    let meta = model(1).meta();
+    let codec = ClusterCodec::new(&meta);
+    let at =
+        |k: u32| vertex(1.0 + f64::from(k % 5) * 0.21 * meta.quantum_m, 2.0 + f64::from(k / 5) * 0.3 * meta.quantum_m);
+    let mut page = ClusterPage {
+        group: BASE_CLUSTERS,
+        // the last one is where the first is, as before
+        vertices: (0..20).chain([0]).map(at).collect(),
+        removed: Vec::new(),
+        triangles: (0..19).map(|k| [k, k + 1, k + 2]).collect(),
+    };
+    let before = page.clone();
+    let mut rounding = Rounding::new(codec);
+    rounding.round(&mut page).unwrap();
+    let places = |page: &ClusterPage| -> std::collections::HashSet<[u64; 3]> {
+        page.vertices.iter().map(|v| v.position_m.map(f64::to_bits)).collect()
+    };
+    assert_eq!((places(&before).len(), places(&page).len()), (20, 20));
+    assert_eq!(page.vertices[0].position_m, page.vertices[20].position_m);
+    let moved_m = |i: usize| {
+        DVec3::from_array(page.vertices[i].position_m).distance(DVec3::from_array(before.vertices[i].position_m))
+    };
+    let most_m = (0..21).map(moved_m).fold(0.0, f64::max);
+    assert!(most_m == rounding.max_error_m() && most_m <= 1.5 * 3f64.sqrt() * meta.quantum_m, "{most_m}");
+    let bytes = codec.encode(&page, 0).unwrap();
+    assert_eq!(codec.decode(shape(&page, 0), &bytes).unwrap(), page);
 }
 
 proptest! {
@@ -331,12 +362,9 @@ proptest! {
         let codec = ClusterCodec::new(&meta);
         let bytes = codec.encode(&page, first).unwrap();
         let back = codec.decode(shape(&page, first), &bytes).unwrap();
-        assert_alike(&back, &page, meta.max_error_m());
+        assert_alike(&back, &page, meta.max_error_m);
         // what was read is stored as it is
         prop_assert_eq!(codec.encode(&back, first).unwrap(), bytes);
-        let mut moved = page;
-        codec.quantise(&mut moved).unwrap();
-        prop_assert_eq!(moved, back);
     }
 
     #[test]

@@ -26,7 +26,7 @@ impl ModelCheck {
     /// Measures a mesh against all that the model holds.
     pub(crate) fn new(model: &mut Model, mesh: &TriangleMesh) -> Result<Self, Failure> {
         let _bar = Bar::spinner("checking");
-        let stored_error_m = model.store().map_or(0.0, |store| store.meta().max_error_m());
+        let stored_error_m = model.store().map_or(0.0, |store| store.meta().max_error_m);
         let finest = yamanami::extract(model, &Criteria::default())?.mesh;
         Ok(Self {
             distance: surface_distance(mesh, &finest, SAMPLES, 1),

@@ -32,7 +32,7 @@ pub(crate) fn tell(path: &Path, quiet: bool, verify: bool) -> Result<Value, Fail
         out::row("vertices", text::count(meta.source_vertices))?;
         let axis = |name: &str, a: f64, b: f64| format!("{name} {a:.3} to {b:.3}");
         out::row("bounds", [axis("x", a.x, b.x), axis("y", a.y, b.y), axis("z", a.z, b.z)].join(", "))?;
-        out::row("kept", format_args!("within {} m", text::number(meta.max_error_m())))?;
+        out::row("kept", format_args!("within {} m", text::number(meta.max_error_m)))?;
         out::row("colours", if meta.has_colours { "of the vertices" } else { "none" })?;
         let each = levels.iter().map(usize::to_string).collect::<Vec<_>>().join(" ");
         out::row(
@@ -59,7 +59,7 @@ pub(crate) fn tell(path: &Path, quiet: bool, verify: bool) -> Result<Value, Fail
         "vertices": meta.source_vertices,
         "min": [a.x, a.y, a.z],
         "max": [b.x, b.y, b.z],
-        "max_error_m": meta.max_error_m(),
+        "max_error_m": meta.max_error_m,
         "has_colours": meta.has_colours,
         "levels": levels.len(),
         "nodes": meta.nodes,

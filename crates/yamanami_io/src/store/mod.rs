@@ -27,7 +27,7 @@ mod schema;
 mod shown;
 mod writer;
 
-pub use cluster::{ClusterCodec, ClusterMeta, ClusterStore, ClusterWriter, PageShape, put_in_order};
+pub use cluster::{ClusterCodec, ClusterMeta, ClusterStore, ClusterWriter, PageShape, Rounding, put_in_order};
 pub use meta::TerrainMeta;
 pub use page::{EncodedPage, PageCodec};
 pub use quantum::{Quantum, QuantumFinder};

@@ -149,7 +149,7 @@ pub(super) fn write_cluster_meta(db: &Connection, meta: &ClusterMeta) -> rusqlit
         put(&format!("{name}_max_m"), Value::Real(meta.bounds.max[axis]))?;
     }
     put("quantum_m", Value::Real(meta.quantum_m))?;
-    put("max_error_m", Value::Real(meta.max_error_m()))?;
+    put("max_error_m", Value::Real(meta.max_error_m))?;
     put("has_colours", Value::Integer(meta.has_colours.into()))?;
     put("nodes", count(meta.nodes.into()))?;
     put("triangles", count(meta.triangles))?;
@@ -229,6 +229,7 @@ impl Facts {
             source_vertices: self.integer("source_vertices")?,
             bounds: Aabb { min: corner("min")?, max: corner("max")? },
             quantum_m: self.real("quantum_m")?,
+            max_error_m: self.real("max_error_m")?,
             has_colours: self.flag("has_colours")?,
             nodes: self.integer("nodes")?,
             triangles: self.integer("triangles")?,

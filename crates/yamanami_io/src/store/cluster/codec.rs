@@ -10,8 +10,9 @@ use crate::store::family::{FAMILY, Member};
 use crate::store::model::CONTEXTS;
 use crate::store::rans::{Decoder, Encoder};
 use crate::store::residuals::{Coded, USUAL_SHAPE, join_row, read_members};
+use glam::DVec3;
 use std::collections::HashMap;
-use yamanami_core::{ClusterPage, GroupId, VertexId};
+use yamanami_core::{ClusterPage, ClusterVertex, GroupId, VertexId};
 
 /// Turns pages of a model into bytes and back.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,18 +49,25 @@ impl ClusterCodec {
         Self { origin_m, quantum_m: meta.quantum_m, has_colours: meta.has_colours }
     }
 
-    /// Moves a page's vertices to where the file will have them.
-    pub fn quantise(&self, page: &mut ClusterPage) -> Result<(), IoError> {
-        for vertex in &mut page.vertices {
-            let packed = Packed::of(vertex, self.origin_m, self.quantum_m);
-            *vertex = packed
-                .and_then(|p| p.vertex(self.origin_m, self.quantum_m))
-                .ok_or_else(|| bad("a vertex near the model", format!("{:?}", vertex.position_m)))?;
-            if !self.has_colours {
-                vertex.colour = [255; 3];
-            }
+    /// A vertex as whole numbers.
+    pub(super) fn pack(&self, vertex: &ClusterVertex) -> Result<Packed, IoError> {
+        Packed::of(vertex, self.origin_m, self.quantum_m)
+            .ok_or_else(|| bad("a vertex near the model", format!("one at {:?}", vertex.position_m)))
+    }
+
+    /// The vertex of whole numbers.
+    pub(super) fn unpack(&self, packed: &Packed) -> Result<ClusterVertex, IoError> {
+        let vertex = packed.vertex(self.origin_m, self.quantum_m);
+        let mut vertex = vertex.ok_or_else(|| bad("a vertex near the model", format!("{:?}", packed.place)))?;
+        if !self.has_colours {
+            vertex.colour = [255; 3];
         }
-        Ok(())
+        Ok(vertex)
+    }
+
+    /// Where a place lies, metres.
+    pub(super) fn position(&self, place: [i32; 3]) -> DVec3 {
+        DVec3::from_array(self.origin_m) + DVec3::from_array(place.map(f64::from)) * self.quantum_m
     }
 
     /// Codes a page whose own vertices are numbered from `first_vertex` on. Pure: pages can be coded on any thread.
@@ -69,9 +77,7 @@ impl ClusterCodec {
         if !page.removed.is_sorted_by(|a, b| a < b) {
             return Err(bad("vertices taken away in ascending order", "others".to_owned()));
         }
-        let packed: Option<Vec<Packed>> =
-            page.vertices.iter().map(|v| Packed::of(v, self.origin_m, self.quantum_m)).collect();
-        let packed = packed.ok_or_else(|| bad("vertices near the model", "one far off".to_owned()))?;
+        let packed: Vec<Packed> = page.vertices.iter().map(|v| self.pack(v)).collect::<Result<_, _>>()?;
         let mut others = Vec::new();
         let mut places: HashMap<VertexId, u32> = HashMap::new();
         let local: Vec<[u32; 3]> = page

@@ -17,6 +17,8 @@ pub struct ClusterMeta {
     pub bounds: Aabb,
     /// Coordinates are stored as whole multiples of this, metres, counted from the least corner of the box.
     pub quantum_m: f64,
+    /// No vertex is further from its place before storing, metres.
+    pub max_error_m: f64,
     /// Whether vertices have colours; else all are white.
     pub has_colours: bool,
     /// Nodes of the hierarchy.
@@ -34,19 +36,15 @@ const QUANTA_AN_EDGE: f64 = 64.0;
 const MOST_QUANTA: f64 = (1u32 << 28) as f64;
 
 impl ClusterMeta {
-    /// No vertex is further from its place before storing, metres: half the diagonal of a cube of a quantum's size.
-    pub fn max_error_m(&self) -> f64 {
-        self.quantum_m * 3f64.sqrt() / 2.0
-    }
-
     /// The quantum that suits a model whose edges are so long on average.
     pub fn usual_quantum_m(bounds: &Aabb, mean_edge_m: f64) -> f64 {
         Self::quantum_below(bounds, mean_edge_m / QUANTA_AN_EDGE)
     }
 
-    /// The quantum that keeps every vertex within so many metres, or the least one there is.
+    /// The quantum that keeps every vertex within so many metres, or the least one there is: along each axis a vertex
+    /// goes half a quantum, and one more where its place is taken.
     pub fn quantum_within_m(bounds: &Aabb, max_error_m: f64) -> f64 {
-        Self::quantum_below(bounds, max_error_m * 2.0 / 3f64.sqrt())
+        Self::quantum_below(bounds, max_error_m / (1.5 * 3f64.sqrt()))
     }
 
     /// A power of two, so that multiples are exact, that is at most `wanted_m` where that is not too small for the box.
@@ -71,6 +69,9 @@ impl ClusterMeta {
         let least_m = Self::least_quantum_m(&self.bounds);
         if !(self.quantum_m.is_finite() && self.quantum_m > 0.0 && self.quantum_m >= least_m * 0.999) {
             return Err(format!("a quantum of {} m", self.quantum_m));
+        }
+        if !(self.max_error_m.is_finite() && self.max_error_m >= 0.0) {
+            return Err(format!("a maximum error of {} m", self.max_error_m));
         }
         Ok(())
     }

@@ -1,7 +1,7 @@
 //! A scanned model in the surface database: its nodes in memory-ready blocks, its clusters page by page.
 //!
 //! [`ClusterWriter`] writes a file, [`ClusterStore`] reads one, [`ClusterCodec`] turns single pages into bytes and back,
-//! [`put_in_order`] makes pages that take fewer bytes.
+//! [`Rounding`] moves vertices to where a file can have them, and [`put_in_order`] makes pages that take fewer bytes.
 
 mod codec;
 mod ids;
@@ -9,6 +9,7 @@ mod meta;
 mod nodes;
 mod order;
 mod reader;
+mod rounding;
 mod triangles;
 mod vertices;
 mod writer;
@@ -17,4 +18,5 @@ pub use codec::{ClusterCodec, PageShape};
 pub use meta::ClusterMeta;
 pub use order::put_in_order;
 pub use reader::ClusterStore;
+pub use rounding::Rounding;
 pub use writer::ClusterWriter;

@@ -50,7 +50,7 @@ impl ClusterWriter {
         let base = BaseShape { vertices: base_vertices, clusters: base_clusters.to_vec() };
         let packed = |result: std::io::Result<Vec<u8>>| result.map_err(|e| IoError::io(path, e));
         let mut blocks = vec![(BASE_ROW, packed(pack_base(&base))?)];
-        let max_error_m = meta.max_error_m();
+        let max_error_m = meta.max_error_m;
         for (block, nodes) in nodes.chunks(BLOCK_NODES).enumerate() {
             let first = block * BLOCK_NODES;
             let widened: Vec<ClusterNode> = nodes.iter().map(|node| widen(node, max_error_m)).collect();
