@@ -100,7 +100,8 @@ pub(crate) struct Findings {
 /// path. `progress` hears what is being done.
 pub fn mizuno(models: Vec<MizunoModel>, out: &Path, progress: &dyn Fn(&str)) -> Result<PathBuf, Error> {
     std::fs::create_dir_all(out).map_err(|source| Error::File { path: out.to_owned(), source })?;
-    let findings = models.into_iter().map(|model| experiment(model, progress)).collect::<Result<Vec<_>, _>>()?;
+    let findings =
+        models.into_iter().map(|model| experiment(model, DISPLAYS, progress)).collect::<Result<Vec<_>, _>>()?;
     progress("writing the page");
     write_page(&findings, out)
 }
@@ -115,7 +116,7 @@ struct Stage {
     fails: usize,
 }
 
-fn experiment(model: MizunoModel, progress: &dyn Fn(&str)) -> Result<Findings, Error> {
+fn experiment(model: MizunoModel, sizes_px: [[u32; 2]; 4], progress: &dyn Fn(&str)) -> Result<Findings, Error> {
     let MizunoModel { name, title, mesh, camera, fov_y_rad, regions } = model;
     let source_faces = mesh.triangles.len();
     let view_of = |size_px: [u32; 2]| match camera {
@@ -123,14 +124,14 @@ fn experiment(model: MizunoModel, progress: &dyn Fn(&str)) -> Result<Findings, E
         None => model_views(&mesh.positions, 1, size_px)[0],
     };
     progress(&format!("{name}: what the view sees"));
-    let mut views: Vec<View> = DISPLAYS.into_iter().map(view_of).collect();
+    let mut views: Vec<View> = sizes_px.into_iter().map(view_of).collect();
     let seen = seen_side(&mesh, &views)?.mesh;
     let seen_faces = seen.triangles.len();
     let smallest = display_need(&mesh, &views[3..], LADDER[0])?;
     if smallest.faces > seen_faces {
         // a smaller display, on which the whole ladder fits
         let scale = (0.95 * seen_faces as f64 / smallest.faces as f64).sqrt();
-        let height = (scale * f64::from(DISPLAYS[3][1])).max(LEAST_HEIGHT_PX);
+        let height = (scale * f64::from(sizes_px[3][1])).max(LEAST_HEIGHT_PX);
         views.push(view_of([(height * 4.0 / 3.0).round() as u32, height.round() as u32]));
     }
     drop(mesh);
@@ -233,4 +234,42 @@ impl Stage {
 fn worst(original: &Original, pictures: &[RgbaImage]) -> Result<ModelDifference, Error> {
     let differences = original.differences(pictures)?;
     worst_of(&differences).ok_or_else(|| Error::Request("expected a view, given none".to_owned()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use yamanami_testkit::Pagoda;
+
+    #[test]
+    fn more_polygons_differ_less_and_every_step_is_accounted_for() {
+        let model = MizunoModel {
+            name: "pagoda".to_owned(),
+            title: "A pagoda".to_owned(),
+            mesh: Pagoda::new(20_000).to_mesh(),
+            camera: Some(Pagoda::view()),
+            fov_y_rad: Some(std::f64::consts::FRAC_PI_6),
+            regions: vec![("roof".to_owned(), Pagoda::regions()[0].centre_m, Pagoda::regions()[0].radius_m)],
+        };
+        let found = experiment(model, [[160, 120], [120, 90], [80, 60], [48, 36]], &|_| ()).unwrap();
+        assert_eq!(found.displays.len(), 4 + usize::from(found.full == 4));
+        assert!(found.seen_faces < found.source_faces);
+        for display in &found.displays {
+            assert_eq!(display.rungs.iter().map(|rung| rung.k).collect::<Vec<_>>(), LADDER);
+            assert_eq!(display.cuts.len(), 1);
+            assert!(display.cuts.iter().all(|(_, _, cells)| cells.len() == PAPER_K.len()));
+            let tried: Vec<&Rung> = display.rungs.iter().filter(|rung| rung.faces.is_some()).collect();
+            for pair in tried.windows(2) {
+                assert!(pair[0].faces >= pair[1].faces);
+            }
+            let (first, last) = (tried[0], tried[tried.len() - 1]);
+            assert!(first.differences[0].flip_mean < last.differences[0].flip_mean, "{first:?} {last:?}");
+            for rung in display.rungs.iter().filter(|rung| rung.faces.is_none()) {
+                assert!(rung.k * display.pixels as f64 > found.seen_faces as f64 - 1.0);
+            }
+            if let Some((faces, difference)) = display.look {
+                assert!(faces <= found.seen_faces && display.limits[0].hold(&difference));
+            }
+        }
+    }
 }

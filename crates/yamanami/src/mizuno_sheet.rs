@@ -9,7 +9,7 @@ use yamanami_core::{Perspective, Projection, View};
 use yamanami_measure::plot::{Sheet, SheetRow, sheet};
 
 /// Side of the sheet's cells.
-const CELL_PX: u32 = 216;
+const CELL_PX: u32 = 240;
 
 /// A square of a picture.
 #[derive(Debug, Clone)]

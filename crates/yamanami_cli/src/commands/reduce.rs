@@ -35,9 +35,9 @@ Examples:
 With --display the model is drawn off-screen and the pixels it covers are counted; of several views the
 one that covers most counts. Several limits hold together; the output says which one ended it.")]
 pub(crate) struct ReduceArgs {
-    /// The mesh: .ply, .obj, .stl, .glb
+    /// The mesh: .ply, .obj, .stl, .off, .glb or .gltf
     pub(super) mesh: PathBuf,
-    /// The mesh to write: .ply, .obj, .stl or .glb
+    /// The mesh to write: .ply, .obj, .stl, .off or .glb
     #[arg(short, long, value_name = "FILE", help_heading = "Results")]
     pub(super) output: PathBuf,
     /// So many faces
@@ -60,7 +60,7 @@ pub(crate) struct ReduceArgs {
     #[arg(long, value_name = "N", value_parser = values::views, help_heading = "How far", conflicts_with = "eye")]
     views: Option<usize>,
     /// Polygons for each pixel covered
-    #[arg(long, value_name = "K", value_parser = values::positive, default_value_t = POLYGONS_PER_PIXEL, help_heading = "How far")]
+    #[arg(long, value_name = "K", value_parser = values::positive, default_value_t = POLYGONS_PER_PIXEL, help_heading = "How far", conflicts_with = "look")]
     pub(super) polygons_per_pixel: f64,
     /// What becomes of the side that no view sees
     #[arg(long, value_enum, value_name = "HOW", help_heading = "How")]
@@ -136,7 +136,7 @@ pub(super) struct Told<'a> {
 }
 
 pub(crate) fn run(args: &ReduceArgs) -> Result<(), Failure> {
-    inputs::check_output(&args.output, &["ply", "glb", "obj", "stl"], std::slice::from_ref(&args.mesh))?;
+    inputs::check_output(&args.output, &["ply", "glb", "obj", "stl", "off"], std::slice::from_ref(&args.mesh))?;
     let display = args.display.or(args.look.map(|_| USUAL_DISPLAY_PX));
     if args.faces.is_none() && args.ratio.is_none() && args.error.is_none() && display.is_none() {
         return Err(Failure::misuse("how far? give --faces N, --ratio R, --error M, --display WxH or --look same"));

@@ -15,7 +15,7 @@ use glam::DVec3;
 const LINE_WEIGHT: f32 = 10.0;
 
 /// How much the rim of a surface that turns back wholly weighs; less where it turns back less.
-const FOLD_WEIGHT: f32 = 3.0;
+const FOLD_WEIGHT: f32 = 10.0;
 
 /// Below this [`PlaneSum::evenness`] a star is searched for folds.
 const EVEN: f32 = 0.6;
