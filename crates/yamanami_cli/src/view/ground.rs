@@ -154,6 +154,20 @@ pub(super) mod tests {
     }
 
     #[test]
+    fn around_a_model_there_is_no_land() {
+        let corners = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z].map(|p| p * 0.01).to_vec();
+        let sides = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+        let mesh = yamanami::core::TriangleMesh::new(corners, sides);
+        let build = yamanami::ModelBuild::of_mesh(&mesh, String::new(), &|_| ()).unwrap();
+        let model = build.into_model().unwrap();
+        let ground = Ground::of(&model);
+        let eye = DVec3::new(0.002, 0.002, 0.05);
+        assert!(ground.hit(eye, -DVec3::Z).is_none() && !ground.holds(eye.truncate()));
+        assert!(ground.height_above_m(eye) > 0.04 && ground.height_above_m(eye) < 0.06);
+        assert!(ground.clearance_m < 1e-4 && ground.diagonal_m() > 0.01);
+    }
+
+    #[test]
     fn the_middle_pixel_looks_at_the_target() {
         let view = View {
             eye: DVec3::new(3.0, 4.0, 50.0),

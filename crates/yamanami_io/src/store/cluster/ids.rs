@@ -43,6 +43,9 @@ pub(super) fn join(runs: &[Run], residuals: &[i32]) -> Option<Vec<u32>> {
     let mut residuals = residuals.iter();
     let mut last = 0u32;
     for &(start, more) in runs {
+        if start == 0 && !numbers.is_empty() {
+            return None;
+        }
         last = last.checked_add(start)?;
         numbers.push(last);
         for &residual in residuals.by_ref().take(more as usize) {
