@@ -2,7 +2,8 @@
 //!
 //! All planes of a star pass through its vertex, so the sum of squared distances to them, weighted by area, is a plain
 //! quadratic form about the vertex: six numbers. An edge's cost is the sum of its ends' two forms (its own triangles count
-//! twice, which measures better than once), its place the least of that among the places that keep the volume.
+//! twice, which measures better than once), its place the least of that among the places that keep the volume (in which they
+//! count twice too, so it is kept but for a little).
 //!
 //! Based on: Lindstrom and Turk, "Fast and Memory Efficient Polygonal Simplification", 1998 (memoryless, volume kept,
 //! borders by the area they sweep); Garland and Heckbert 1997. Weighting by area instead of its square is ours.
