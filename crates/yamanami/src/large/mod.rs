@@ -139,7 +139,8 @@ pub fn reduce_large(
 ) -> Result<LargeReport, Error> {
     let beside = output.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let folder = options.scratch.as_deref().unwrap_or(beside);
-    let plan = Plan { memory_bytes: options.memory_bytes };
+    // what carries colours takes more: so does what may
+    let plan = Plan::new(options.memory_bytes, true);
     let file_bytes = std::fs::metadata(input).map_err(|e| IoError::io(input, e))?.len();
     if !MeshStream::knows(input) {
         // what a file of another format holds is only known when it is read
@@ -149,6 +150,7 @@ pub fn reduce_large(
         return in_memory(read_mesh(input)?, output, options, progress);
     }
     let mut stream = MeshStream::open(input, folder)?;
+    let plan = Plan::new(options.memory_bytes, stream.has_colours());
     if stream.faces() <= plan.most_faces() && stream.bytes() <= plan.most_file_bytes() {
         drop(stream);
         return in_memory(read_mesh(input)?, output, options, progress);

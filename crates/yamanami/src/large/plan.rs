@@ -6,6 +6,8 @@ use crate::Error;
 const BASE_BYTES: u64 = 24 << 20;
 /// A mesh while it is collapsed: 24 bytes of arrays, the collapse's own, and its result.
 const BYTES_A_FACE: u64 = 170;
+/// What colours add: their gradients around each vertex above all.
+const BYTES_OF_COLOURS_A_FACE: u64 = 130;
 /// A mesh while it is read as a whole, beside its file's bytes.
 const READ_BYTES_A_FACE: u64 = 40;
 /// Blocks at work at the same time. Fixed, as blocks and with them the result depend on it.
@@ -16,17 +18,22 @@ const MOST_BLOCKS: u64 = 1 << 14;
 /// A memory.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Plan {
-    pub(super) memory_bytes: u64,
+    memory_bytes: u64,
+    bytes_a_face: u64,
 }
 
 impl Plan {
+    pub(super) fn new(memory_bytes: u64, has_colours: bool) -> Self {
+        Self { memory_bytes, bytes_a_face: BYTES_A_FACE + if has_colours { BYTES_OF_COLOURS_A_FACE } else { 0 } }
+    }
+
     fn usable(&self) -> u64 {
         self.memory_bytes.saturating_sub(BASE_BYTES)
     }
 
     /// Largest mesh that is collapsed in one piece.
     pub(super) fn most_faces(&self) -> u64 {
-        self.usable() / BYTES_A_FACE
+        self.usable() / self.bytes_a_face
     }
 
     /// Largest file that is read as a whole: a face takes 19 bytes of a usual one.
@@ -38,7 +45,7 @@ impl Plan {
     pub(super) fn most_block_faces(&self, vertices: u64) -> u64 {
         // a set of its vertices for each, and one of the seams'
         let sets = (AT_ONCE as u64 + 1) * marks_bytes(vertices);
-        self.usable().saturating_sub(sets) / (AT_ONCE as u64 * BYTES_A_FACE)
+        self.usable().saturating_sub(sets) / (AT_ONCE as u64 * self.bytes_a_face)
     }
 
     /// How many blocks to cut a mesh into.
@@ -53,7 +60,7 @@ impl Plan {
         let aim = self.most_block_faces(vertices) / 5 * 4;
         let blocks = faces.div_ceil(aim.max(1)).max(3);
         if blocks > MOST_BLOCKS {
-            return Err(self.short_of(format!("{blocks} blocks"), BASE_BYTES + faces / MOST_BLOCKS * 4 * BYTES_A_FACE));
+            return Err(self.short_of(format!("{blocks} blocks"), BASE_BYTES + faces / MOST_BLOCKS * 4 * self.bytes_a_face));
         }
         Ok(blocks as usize)
     }
@@ -92,7 +99,7 @@ impl Plan {
 
     /// The memory does not do for a mesh of so many faces in one piece.
     pub(super) fn too_little(&self, what: String, faces: u64) -> Error {
-        self.short_of(what, BASE_BYTES + faces * BYTES_A_FACE)
+        self.short_of(what, BASE_BYTES + faces * self.bytes_a_face)
     }
 
     fn short_of(&self, what: String, needed: u64) -> Error {
