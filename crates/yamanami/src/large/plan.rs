@@ -60,7 +60,9 @@ impl Plan {
         let aim = self.most_block_faces(vertices) / 5 * 4;
         let blocks = faces.div_ceil(aim.max(1)).max(3);
         if blocks > MOST_BLOCKS {
-            return Err(self.short_of(format!("{blocks} blocks"), BASE_BYTES + faces / MOST_BLOCKS * 4 * self.bytes_a_face));
+            return Err(
+                self.short_of(format!("{blocks} blocks"), BASE_BYTES + faces / MOST_BLOCKS * 4 * self.bytes_a_face)
+            );
         }
         Ok(blocks as usize)
     }

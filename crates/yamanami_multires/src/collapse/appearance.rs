@@ -102,12 +102,22 @@ impl Appearance {
     }
 
     /// The values of a wedge that can be weighed; 0 for what is not carried.
+    #[inline]
     pub(super) fn weighable(&self, wedge: u32) -> [f32; VALUES] {
         let mut out = [0.0; VALUES];
         let stride = self.kinds.stride();
-        let values = &self.values[wedge as usize * stride..(wedge as usize + 1) * stride];
-        for (from, to, count) in self.weighable_places() {
-            out[to..to + count].copy_from_slice(&values[from..from + count]);
+        let mut values = &self.values[wedge as usize * stride..(wedge as usize + 1) * stride];
+        // lengths that the compiler knows: this is asked for at every weighing
+        if self.kinds.colours {
+            out[..3].copy_from_slice(&values[..3]);
+            values = &values[COLOUR..];
+        }
+        if self.kinds.texcoords {
+            out[3..3 + TEXCOORD].copy_from_slice(&values[..TEXCOORD]);
+            values = &values[TEXCOORD..];
+        }
+        if self.kinds.normals {
+            out[5..5 + NORMAL].copy_from_slice(&values[..NORMAL]);
         }
         out
     }
@@ -115,22 +125,18 @@ impl Appearance {
     /// Gives a wedge the values that count.
     pub(super) fn set_weighable(&mut self, wedge: u32, values: &[f32; VALUES]) {
         let stride = self.kinds.stride();
-        let places = self.weighable_places();
-        let own = &mut self.values[wedge as usize * stride..(wedge as usize + 1) * stride];
-        for (to, from, count) in places {
-            own[to..to + count].copy_from_slice(&values[from..from + count]);
+        let mut own = &mut self.values[wedge as usize * stride..(wedge as usize + 1) * stride];
+        if self.kinds.colours {
+            own[..3].copy_from_slice(&values[..3]);
+            own = &mut own[COLOUR..];
         }
-    }
-
-    /// Where each kind stands among a wedge's values, where among those that can be weighed, and how many they are.
-    fn weighable_places(&self) -> impl Iterator<Item = (usize, usize, usize)> + use<> {
-        let Kinds { colours, texcoords, normals } = self.kinds;
-        let texcoord_at = COLOUR * usize::from(colours);
-        let normal_at = texcoord_at + TEXCOORD * usize::from(texcoords);
-        [(colours, 0, 0, 3), (texcoords, texcoord_at, 3, TEXCOORD), (normals, normal_at, 5, NORMAL)]
-            .into_iter()
-            .filter(|place| place.0)
-            .map(|(_, from, to, count)| (from, to, count))
+        if self.kinds.texcoords {
+            own[..TEXCOORD].copy_from_slice(&values[3..3 + TEXCOORD]);
+            own = &mut own[TEXCOORD..];
+        }
+        if self.kinds.normals {
+            own[..NORMAL].copy_from_slice(&values[5..5 + NORMAL]);
+        }
     }
 
     /// The wedges of a triangle's corners in its turning order, the given one first.

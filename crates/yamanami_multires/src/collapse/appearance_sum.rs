@@ -6,7 +6,6 @@
 //! for which it is least. After: Hoppe, "New Quadric Metric for Simplifying Meshes with Appearance Attributes", 1999, without
 //! memory as the planes are.
 
-use super::stars::Corner;
 use super::work::Work;
 use glam::DVec3;
 
@@ -30,6 +29,7 @@ pub(super) struct AppearanceSum {
 pub(super) fn appearance_sum(work: &Work, v: u32, scales: &Scales) -> AppearanceSum {
     let mut sum = AppearanceSum::default();
     let at = work.positions[v as usize];
+    let own = scaled(work, work.wedge(v), scales);
     for corner in work.star(v) {
         let [_, b, c] = corner.turned(&work.triangles);
         let (b, c) = (work.positions[b as usize] - at, work.positions[c as usize] - at);
@@ -39,7 +39,8 @@ pub(super) fn appearance_sum(work: &Work, v: u32, scales: &Scales) -> Appearance
             continue;
         }
         let area = 0.5 * squared.sqrt();
-        let [own, of_b, of_c] = values_at(work, *corner, scales);
+        let [_, wedge_b, wedge_c] = work.appearance.turned_wedges(*corner);
+        let (of_b, of_c) = (scaled(work, wedge_b, scales), scaled(work, wedge_c, scales));
         sum.area += area as f32;
         for k in 0..VALUES {
             let (db, dc) = (f64::from(of_b[k] - own[k]), f64::from(of_c[k] - own[k]));
@@ -56,14 +57,14 @@ pub(super) fn appearance_sum(work: &Work, v: u32, scales: &Scales) -> Appearance
     sum
 }
 
-/// Scaled values at a triangle's corners, the given one first.
-fn values_at(work: &Work, corner: Corner, scales: &Scales) -> [[f32; VALUES]; 3] {
-    let wedges = work.appearance.turned_wedges(corner);
-    wedges.map(|w| {
-        let mut values = work.appearance.weighable(w);
-        values.iter_mut().zip(scales).for_each(|(v, s)| *v *= s);
-        values
-    })
+/// The values of a wedge, in units that count like distances.
+#[inline]
+pub(super) fn scaled(work: &Work, wedge: u32, scales: &Scales) -> [f32; VALUES] {
+    let mut values = work.appearance.weighable(wedge);
+    for (value, scale) in values.iter_mut().zip(scales) {
+        *value *= scale;
+    }
+    values
 }
 
 /// The best values at a place, and the squared difference that they leave, times area. `ends` are the two ends of an edge: what

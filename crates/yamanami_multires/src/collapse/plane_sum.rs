@@ -107,33 +107,32 @@ impl PlaneSum {
 
 /// Where to put an edge, relative to its first end, and what that costs. `edge` leads from the first end to the second.
 pub(super) fn best_place(first: &PlaneSum, second: &PlaneSum, edge: DVec3) -> (DVec3, f64) {
-    let (place, cost) = weigh(first, [second], [edge]);
-    (DVec3::from(place.map(|v| v.0[0])), cost.0[0])
+    apart(weigh(first, [second], [edge]))[0]
 }
 
-/// The costs of several edges at one vertex; equal to those of [`best_place`] bit for bit.
+/// [`best_place`] for several edges at one vertex, equal to it bit for bit.
 #[inline]
-pub(super) fn costs(
+pub(super) fn best_places(
     first: &PlaneSum,
     seconds: [&PlaneSum; EDGES_ABREAST],
     edges: [DVec3; EDGES_ABREAST],
-) -> [f64; EDGES_ABREAST] {
+) -> [(DVec3, f64); EDGES_ABREAST] {
     #[cfg(target_arch = "x86_64")]
     if std::arch::is_x86_feature_detected!("avx2") {
         // SAFETY: the processor has AVX2, as just asked.
-        return unsafe { costs_avx2(first, seconds, edges) };
+        return apart(unsafe { weigh_avx2(first, seconds, edges) });
     }
-    weigh(first, seconds, edges).1.0
+    apart(weigh(first, seconds, edges))
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn costs_avx2(
-    first: &PlaneSum,
-    seconds: [&PlaneSum; EDGES_ABREAST],
-    edges: [DVec3; EDGES_ABREAST],
-) -> [f64; EDGES_ABREAST] {
-    weigh(first, seconds, edges).1.0
+fn weigh_avx2<const L: usize>(first: &PlaneSum, seconds: [&PlaneSum; L], edges: [DVec3; L]) -> ([F<L>; 3], F<L>) {
+    weigh(first, seconds, edges)
+}
+
+fn apart<const L: usize>(([x, y, z], cost): ([F<L>; 3], F<L>)) -> [(DVec3, f64); L] {
+    std::array::from_fn(|l| (DVec3::new(x.0[l], y.0[l], z.0[l]), cost.0[l]))
 }
 
 type F<const L: usize> = Lanes<f64, L>;
@@ -226,9 +225,9 @@ mod tests {
     fn edges_abreast_cost_what_they_cost_alone() {
         let s = sums();
         let edges = [DVec3::X, DVec3::new(0.3, 0.8, 0.1), DVec3::new(0.0, -1.0, 0.2), DVec3::ZERO];
-        let together = costs(&s[0], [&s[1], &s[2], &s[3], &s[4]], edges);
+        let together = best_places(&s[0], [&s[1], &s[2], &s[3], &s[4]], edges);
         for k in 0..EDGES_ABREAST {
-            assert_eq!(together[k], best_place(&s[0], &s[k + 1], edges[k]).1);
+            assert_eq!(together[k], best_place(&s[0], &s[k + 1], edges[k]));
         }
     }
 

@@ -6,8 +6,8 @@
 //! in the cache. Where the last round would go too far, its edges are taken in the order of their costs.
 
 use super::StoppedBy;
-use super::appearance_sum::{self, AppearanceSum, Scales, VALUES, appearance_sum};
-use super::plane_sum::{EDGES_ABREAST, PlaneSum, best_place, costs};
+use super::appearance_sum::{self, AppearanceSum, Scales, VALUES, appearance_sum, scaled};
+use super::plane_sum::{EDGES_ABREAST, PlaneSum, best_place, best_places};
 use super::surroundings::plane_sum;
 use super::work::{Kept, Work, hold};
 use glam::DVec3;
@@ -299,7 +299,7 @@ impl<'w> Rounds<'w> {
                 (best, partner) = (cost, n);
             }
         };
-        if self.scales.is_some() || is_held(self.work, v) || ring.iter().any(|&n| is_held(self.work, n)) {
+        if is_held(self.work, v) || ring.iter().any(|&n| is_held(self.work, n)) {
             for &n in &ring {
                 consider(self.weigh_edge(v, n).cost, n);
             }
@@ -311,8 +311,11 @@ impl<'w> Rounds<'w> {
                 let lane = |l: usize| some[l.min(some.len() - 1)] as usize;
                 let seconds = std::array::from_fn(|l| &self.sums[lane(l)]);
                 let edges = std::array::from_fn(|l| self.work.positions[lane(l)] - at);
-                let costs = costs(&self.sums[v as usize], seconds, edges);
-                some.iter().zip(costs).for_each(|(&n, cost)| consider(cost as f32, n));
+                let found = best_places(&self.sums[v as usize], seconds, edges);
+                for (&n, (place, cost)) in some.iter().zip(found) {
+                    let change = self.blend(v, n, at + place).map_or(0.0, |(_, change)| change as f32);
+                    consider(cost as f32 + change, n);
+                }
             }
         }
         self.ring = ring;
@@ -353,8 +356,7 @@ impl<'w> Rounds<'w> {
             return None;
         }
         let end = |v: u32| {
-            let mut values = self.work.appearance.weighable(self.work.wedge(v));
-            values.iter_mut().zip(scales).for_each(|(v, s)| *v *= s);
+            let values = scaled(self.work, self.work.wedge(v), scales);
             (&self.looks[v as usize], values, place - self.work.positions[v as usize])
         };
         Some(appearance_sum::blend([end(a), end(b)]))
