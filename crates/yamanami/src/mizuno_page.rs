@@ -97,7 +97,7 @@ fn table_1(found: &Findings, page: &mut Page) {
     page.table(head, found.displays.iter().map(row).collect());
     let has_least = |d: &OnDisplay| d.rungs.iter().any(|r| r.faces.is_some_and(|faces| is_least(d, r.k, faces)));
     if found.displays.iter().any(has_least) {
-        page.text("(least): the model has so many separate parts that no fewer polygons keep each of them.");
+        page.text("(least): with fewer polygons the surface would fold or be pinched somewhere.");
     }
     let most = found.displays.iter().map(|d| found.seen_faces as f64 / d.pixels.max(1) as f64);
     let most: Vec<String> =

@@ -216,7 +216,7 @@ fn ending(told: &Told<'_>) -> String {
             } else {
                 String::new()
             };
-            format!("the surface: no edge is left that can go without folding, pinching or losing a part{wanted}")
+            format!("the surface: no edge is left that can go without folding or pinching the surface{wanted}")
         }
     }
 }
