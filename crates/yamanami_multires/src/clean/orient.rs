@@ -1,4 +1,5 @@
-//! Neighbouring faces that face the same way, turning as few as possible.
+//! Neighbouring faces that face the same way, turning as few as possible. A one-sided patch, where that cannot be, stays as
+//! it is.
 
 use rayon::prelude::*;
 use yamanami_core::TriangleMesh;
@@ -18,6 +19,7 @@ pub(super) fn orient(mesh: &mut TriangleMesh, place: &[u32]) -> (usize, usize) {
             continue;
         }
         patch.clear();
+        let odd_before = odd;
         turned[start] = Some(false);
         waiting.push(start as u32);
         while let Some(face) = waiting.pop() {
@@ -37,12 +39,12 @@ pub(super) fn orient(mesh: &mut TriangleMesh, place: &[u32]) -> (usize, usize) {
                 }
             }
         }
-        // the lesser half turns
+        // the lesser half turns; of a one-sided patch none: from another start others would
         let count = patch.iter().filter(|&&face| turned[face as usize] == Some(true)).count();
-        if 2 * count > patch.len() {
-            for &face in &patch {
-                turned[face as usize] = turned[face as usize].map(|t| !t);
-            }
+        let (is_one_sided, turn_others) = (odd > odd_before, 2 * count > patch.len());
+        for &face in &patch {
+            let turned = &mut turned[face as usize];
+            *turned = turned.map(|t| !is_one_sided && t != turn_others);
         }
     }
     let mut count = 0;
