@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use yamanami_core::{BaseMesh, SemiRegular};
-use yamanami_multires::kdisk::{Filters, Lifting, Sparse, Wavelet, filters, keep_largest};
+use yamanami_multires::kdisk::{Filters, Lifting, Sparse, Wavelet, filters, keep_largest, l2_norm, largest_cosine};
 
 fn octahedron() -> Vec<[u32; 3]> {
     vec![[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]]
@@ -91,7 +91,7 @@ proptest! {
                 x[mesh.vertex_count(2) as usize..].fill(0.0);
                 lifting.synthesise(&mut x);
                 let difference: Vec<f64> = x.iter().zip(&values).map(|(a, b)| a - b).collect();
-                square(&mesh, 3, &difference).sqrt()
+                l2_norm(&mesh, 3, &difference)
             });
             let [lazy, rest @ .., orthogonal] = errors;
             for e in rest {
@@ -227,19 +227,8 @@ fn cosines_fall_as_the_reference_says() {
         (Wavelet::KDisk(2), 0.011),
     ] {
         let lifting = Lifting::new(&mesh, wavelet);
-        let mut largest = 0.0f64;
-        for level in 0..4 {
-            let Filters { p, q, .. } = filters(&mesh, &lifting, level).unwrap();
-            let norm = |x: &[f64]| square(&mesh, level + 1, x).sqrt();
-            let hats: Vec<f64> = (0..mesh.vertex_count(level)).map(|v| norm(&column(&p, v))).collect();
-            for nth in 0..mesh.new_vertices(level + 1).len() as u32 {
-                let own = column(&q, nth);
-                let norm = norm(&own);
-                let products = with_coarse(&mesh, level, &p, &own);
-                let cosines = products.iter().zip(&hats).map(|(product, hat)| product.abs() / (norm * hat));
-                largest = cosines.fold(largest, f64::max);
-            }
-        }
+        let cosine = |level| largest_cosine(&mesh, &filters(&mesh, &lifting, level).unwrap(), level);
+        let largest = (0..4).map(cosine).fold(0.0, f64::max);
         assert!((largest - expected).abs() < 0.0006, "{wavelet}: {largest}");
     }
 }
@@ -259,6 +248,15 @@ fn the_filters_are_as_full_as_the_paper_counts() {
         let sum = |first: u32| (1..=k).map(|i| 6 * (first + 3 * i)).sum::<u32>() as usize;
         assert_eq!(count(&q.rows[..coarse]), 6 + sum(1), "n_I({k})");
         assert_eq!(count(&q.rows[coarse..]), 11 + sum(2), "n_N({k})");
+    }
+}
+
+#[test]
+fn the_norm_is_that_of_the_inner_products() {
+    for mesh in meshes(2) {
+        let x = noise(mesh.vertex_count(2), 9);
+        let expected = (square(&mesh, 2, &x) / f64::from(mesh.triangle_count(2))).sqrt();
+        assert!((l2_norm(&mesh, 2, &x) - expected).abs() < 1e-14);
     }
 }
 

@@ -16,6 +16,15 @@ impl Sparse {
         self.rows.iter().map(|row| row.iter().map(|&(c, v)| v * x[c as usize]).sum()).collect()
     }
 
+    /// Row and value of what is not zero, by columns.
+    pub(super) fn columns(&self, columns: u32) -> Vec<Vec<(u32, f64)>> {
+        let mut found = vec![Vec::new(); columns as usize];
+        for (row, entries) in (0..).zip(&self.rows) {
+            entries.iter().for_each(|&(column, value)| found[column as usize].push((row, value)));
+        }
+        found
+    }
+
     fn from_triplets(rows: u32, mut triplets: Vec<(u32, u32, f64)>) -> Self {
         triplets.sort_unstable_by_key(|t| (t.0, t.1));
         let mut matrix = Self { rows: vec![Vec::new(); rows as usize] };

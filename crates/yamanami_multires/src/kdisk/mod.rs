@@ -12,9 +12,11 @@ mod disk;
 mod filters;
 mod lifting;
 mod orthogonal;
+mod products;
 mod stencil;
 mod threshold;
 
 pub use filters::{Filters, Sparse, filters};
 pub use lifting::{Lifting, MOST_RINGS, Wavelet};
+pub use products::{l2_norm, largest_cosine};
 pub use threshold::keep_largest;
