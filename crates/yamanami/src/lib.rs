@@ -37,6 +37,7 @@ mod reproduce;
 mod scene;
 mod subject;
 mod terrain;
+mod wavelet;
 mod yama;
 
 pub use bench::{measure_rate, triangles_at_rate};
@@ -61,6 +62,10 @@ pub use reproduce::hashida;
 pub use scene::{Scene, Update};
 pub use subject::Subject;
 pub use terrain::{OpenOptions, Terrain};
+pub use wavelet::{
+    Approximation, Fullness, KEPT_SHARES, SemiRegularModel, WaveletRow, WaveletStudy, paper_fullness,
+    usual_thresholds_m, wavelet_study, write_wavelet_plots,
+};
 pub use yama::{StoreOptions, quantise};
 
 pub use yamanami_core as core;
