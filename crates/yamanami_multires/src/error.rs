@@ -70,6 +70,20 @@ pub enum MultiresError {
         /// How many there may be.
         most: u64,
     },
+    /// A mesh that is not a surface with or without border, facing one way.
+    #[error("not a surface at ({:.3}, {:.3}, {:.3}): {what}", place_m[0], place_m[1], place_m[2])]
+    NotASurface {
+        /// What is wrong, with numbers of vertices or triangles.
+        what: String,
+        /// Where, in metres.
+        place_m: [f64; 3],
+    },
+    /// Vertices and triangles of a semi-regular mesh must have 32-bit numbers.
+    #[error("the mesh is too large: {triangles} triangles, at most 1.4 billion can be numbered")]
+    TooManyTriangles {
+        /// Triangles given.
+        triangles: usize,
+    },
 }
 
 fn group_name(group: u32) -> String {
