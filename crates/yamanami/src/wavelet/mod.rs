@@ -1,9 +1,12 @@
 //! Models under k-disk wavelets.
 
+mod date;
+mod date_page;
 mod model;
 mod plots;
 mod study;
 
+pub use date::{DateModel, date};
 pub use model::SemiRegularModel;
 pub use plots::write_wavelet_plots;
 pub use study::{

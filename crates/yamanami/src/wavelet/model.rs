@@ -3,6 +3,7 @@
 use crate::Error;
 use glam::DVec3;
 use yamanami_core::{BaseFault, BaseMesh, HeightField, SemiRegular, TriangleMesh};
+use yamanami_multires::semi_regular::recognise;
 
 /// A semi-regular mesh with the places of its vertices.
 #[derive(Debug, Clone)]
@@ -16,6 +17,14 @@ pub struct SemiRegularModel {
 }
 
 impl SemiRegularModel {
+    /// A mesh that has the levels already; none where it has not, and must be remeshed first. Fails where it is no
+    /// surface.
+    pub fn recognised(mesh: &TriangleMesh, title: String) -> Result<Option<Self>, Error> {
+        let found = recognise(mesh)?;
+        let positions = found.source_vertex.iter().map(|&v| mesh.positions[v as usize]).collect();
+        Ok((found.mesh.levels() > 0).then_some(Self { title, mesh: found.mesh, positions }))
+    }
+
     /// A grid of heights: two base triangles a square of `2^levels` steps, as many levels as fit, cut at the right and below to whole
     /// squares.
     pub fn of_heights(field: &HeightField, title: String) -> Result<Self, Error> {
