@@ -23,6 +23,8 @@ mod render;
 mod render_model;
 mod reproduce;
 mod view;
+mod wavelet;
+mod wavelet_text;
 
 use crate::failure::Failure;
 use clap::{Parser, Subcommand};
@@ -65,6 +67,7 @@ enum Command {
     Reduce(Box<reduce::ReduceArgs>),
     Compare(compare::CompareArgs),
     Generate(generate::GenerateArgs),
+    Wavelet(wavelet::WaveletArgs),
     Reproduce(reproduce::ReproduceArgs),
 }
 
@@ -81,6 +84,7 @@ impl Program {
             Command::Reduce(args) => reduce::run(args),
             Command::Compare(args) => compare::run(args),
             Command::Generate(args) => generate::run(args),
+            Command::Wavelet(args) => wavelet::run(args),
             Command::Reproduce(args) => reproduce::run(args),
         }
     }
