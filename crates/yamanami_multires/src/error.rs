@@ -84,6 +84,16 @@ pub enum MultiresError {
         /// Triangles given.
         triangles: usize,
     },
+    /// Places or colours that do not fit the vertices of a semi-regular mesh.
+    #[error("a semi-regular mesh of {vertices} vertices: expected as many {what}, given {given}")]
+    BadVertices {
+        /// What was given.
+        what: &'static str,
+        /// Vertices of the mesh.
+        vertices: usize,
+        /// How many were given.
+        given: usize,
+    },
 }
 
 fn group_name(group: u32) -> String {

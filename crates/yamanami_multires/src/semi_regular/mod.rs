@@ -2,7 +2,14 @@
 //!
 //! Based on: Lounsbery, DeRose, Warren, "Multiresolution analysis for surfaces of arbitrary topological type", 1997.
 
+mod errors;
+mod front;
 mod merge;
+mod normals;
 mod recognise;
+mod surface;
+mod triangle;
 
+pub use front::{Thresholded, close, thresholded};
 pub use recognise::{Recognised, recognise};
+pub use surface::SemiRegularSurface;
