@@ -2,7 +2,8 @@
 //!
 //! [`wavelet`] holds the terrain quadtree: a height field of any size as a 4-to-1 triangle quadtree with the lazy
 //! wavelet, its guaranteed vertical errors, and the surface that emits any parent-closed front of it. [`collapse`] reduces
-//! meshes, [`cluster`] makes the hierarchy of a scan, [`bound`] certifies distances between meshes, [`clean`] mends scans.
+//! meshes, [`cluster`] makes the hierarchy of a scan, [`bound`] certifies distances between meshes, [`clean`] mends scans,
+//! [`remesh`] makes them semi-regular.
 //! This crate never sees a view, a frame, a file or a GPU.
 
 pub mod bound;
@@ -10,6 +11,7 @@ pub mod clean;
 pub mod cluster;
 pub mod collapse;
 mod error;
+pub mod remesh;
 pub mod wavelet;
 
 pub use error::MultiresError;
