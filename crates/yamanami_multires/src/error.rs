@@ -94,6 +94,44 @@ pub enum MultiresError {
         /// How many were given.
         given: usize,
     },
+    /// More than two triangles at an edge: no surface.
+    #[error("{triangles} triangles meet at the edge between vertices {} and {}, at {at:?}: expected at most 2", ends[0], ends[1])]
+    NotManifoldEdge {
+        /// Ends of the edge.
+        ends: [u32; 2],
+        /// Triangles at it.
+        triangles: usize,
+        /// Its middle, metres.
+        at: [f64; 3],
+    },
+    /// Parts of the surface touch at one vertex alone.
+    #[error("parts of the surface touch at vertex {vertex} alone, at {at:?}: expected one fan of triangles around it")]
+    NotManifoldVertex {
+        /// The vertex.
+        vertex: u32,
+        /// Its place, metres.
+        at: [f64; 3],
+    },
+    /// Two neighbours face different ways.
+    #[error(
+        "the two triangles at the edge between vertices {} and {}, at {at:?}, face different ways: turn them over, unless the \
+         surface is one-sided",
+        ends[0], ends[1]
+    )]
+    NotOriented {
+        /// Ends of the edge.
+        ends: [u32; 2],
+        /// Its middle, metres.
+        at: [f64; 3],
+    },
+    /// The numbers of vertices and triangles of what is remeshed, and of the result, must fit in 30 bits.
+    #[error(
+        "the mesh is too large to be remeshed: {triangles} triangles, source or result, at most 2^30 can be numbered"
+    )]
+    TooLargeToRemesh {
+        /// Triangles given or asked for.
+        triangles: usize,
+    },
 }
 
 fn group_name(group: u32) -> String {

@@ -17,6 +17,7 @@ mod triangle;
 
 use frame::{Frame, SLACK};
 use glam::DVec3;
+use rayon::prelude::*;
 use search::{Direction, Far, Goal, Outcome};
 use tree::{Near, Tree};
 use yamanami_core::TriangleMesh;
@@ -184,6 +185,13 @@ impl<'a> Judge<'a> {
         let Some((frame, tree)) = &self.prepared else { return vec![0; places.len()] };
         let nearest = |&place: &DVec3| tree.numbers[tree.nearest(frame.unit(place), Near::NOTHING).slot as usize];
         places.iter().map(nearest).collect()
+    }
+
+    /// The distance of each place, metres; infinite for a surface that has no triangle.
+    pub(crate) fn distances_m(&self, places: &[DVec3]) -> Vec<f64> {
+        let Some((frame, tree)) = &self.prepared else { return vec![f64::INFINITY; places.len()] };
+        let distance = |&p: &DVec3| frame.length_in_metres(tree.nearest(frame.unit(p), Near::NOTHING).distance2.sqrt());
+        places.par_iter().map(distance).collect()
     }
 }
 

@@ -7,7 +7,7 @@ use std::ops::{Add, AddAssign};
 
 /// q(p) = pᵀAp + 2b·p + c, with A symmetric.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(super) struct Quadric {
+pub(crate) struct Quadric {
     /// xx, yy, zz.
     diagonal: DVec3,
     /// yz, xz, xy.
@@ -19,7 +19,7 @@ pub(super) struct Quadric {
 impl Quadric {
     /// `weight` times the squared distance to the plane n·p + d = 0.
     #[inline]
-    pub(super) fn plane(normal: DVec3, d: f64, weight: f64) -> Self {
+    pub(crate) fn plane(normal: DVec3, d: f64, weight: f64) -> Self {
         let weighted = normal * weight;
         Self {
             diagonal: weighted * normal,
@@ -39,7 +39,7 @@ impl Quadric {
 
     /// The value at a place; rounding never makes it negative.
     #[inline]
-    pub(super) fn at(&self, p: DVec3) -> f64 {
+    pub(crate) fn at(&self, p: DVec3) -> f64 {
         (p.dot(self.times(p) + 2.0 * self.b) + self.c).max(0.0)
     }
 

@@ -2,21 +2,27 @@
 
 /// A corner of a triangle: the triangle's number and which of its three corners.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Corner(u32);
+pub(crate) struct Corner(u32);
 
 impl Corner {
-    pub(super) fn new(triangle: usize, place: usize) -> Self {
+    pub(crate) fn new(triangle: usize, place: usize) -> Self {
         Self((triangle << 2 | place) as u32)
     }
 
     #[inline]
-    pub(super) fn triangle(self) -> usize {
+    pub(crate) fn triangle(self) -> usize {
         (self.0 >> 2) as usize
+    }
+
+    /// Which of the triangle's corners it is.
+    #[inline]
+    pub(crate) fn place(self) -> usize {
+        (self.0 & 3) as usize
     }
 
     /// The triangle's corners in its turning order, this one first.
     #[inline]
-    pub(super) fn turned(self, triangles: &[[u32; 3]]) -> [u32; 3] {
+    pub(crate) fn turned(self, triangles: &[[u32; 3]]) -> [u32; 3] {
         // by a table: which corner it is cannot be foretold, and a branch would often be guessed wrong
         const NEXT: [usize; 4] = [1, 2, 0, 0];
         const LAST: [usize; 4] = [2, 0, 1, 0];
@@ -26,14 +32,14 @@ impl Corner {
 
     /// Puts another vertex in this corner.
     #[inline]
-    pub(super) fn set(self, triangles: &mut [[u32; 3]], vertex: u32) {
+    pub(crate) fn set(self, triangles: &mut [[u32; 3]], vertex: u32) {
         triangles[self.triangle()][(self.0 & 3) as usize] = vertex;
     }
 }
 
 /// The corners at each vertex.
 #[derive(Debug, Default)]
-pub(super) struct Stars {
+pub(crate) struct Stars {
     start: Vec<u32>,
     len: Vec<u32>,
     pool: Vec<Corner>,
@@ -41,7 +47,7 @@ pub(super) struct Stars {
 
 impl Stars {
     /// The stars of all vertices below `vertices`, triangles in order.
-    pub(super) fn new(triangles: &[[u32; 3]], vertices: usize) -> Self {
+    pub(crate) fn new(triangles: &[[u32; 3]], vertices: usize) -> Self {
         let mut len = vec![0u32; vertices];
         for &v in triangles.as_flattened() {
             len[v as usize] += 1;
@@ -67,13 +73,13 @@ impl Stars {
 
     /// The corners at a vertex.
     #[inline]
-    pub(super) fn of(&self, vertex: u32) -> &[Corner] {
+    pub(crate) fn of(&self, vertex: u32) -> &[Corner] {
         let start = self.start[vertex as usize] as usize;
         &self.pool[start..start + self.len[vertex as usize] as usize]
     }
 
     /// Gives a vertex another star.
-    pub(super) fn set(&mut self, vertex: u32, corners: &[Corner]) {
+    pub(crate) fn set(&mut self, vertex: u32, corners: &[Corner]) {
         let v = vertex as usize;
         if corners.len() > self.len[v] as usize {
             self.start[v] = self.pool.len() as u32;
@@ -86,7 +92,7 @@ impl Stars {
     }
 
     /// Takes one triangle out of a vertex's star.
-    pub(super) fn remove(&mut self, vertex: u32, triangle: usize) {
+    pub(crate) fn remove(&mut self, vertex: u32, triangle: usize) {
         let v = vertex as usize;
         let start = self.start[v] as usize;
         let star = &mut self.pool[start..start + self.len[v] as usize];

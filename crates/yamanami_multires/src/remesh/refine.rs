@@ -1,0 +1,63 @@
+//! One level more: each new vertex is predicted from the level below and put where a line through the prediction, along its
+//! normal, pierces the source. What then is to be coded is one number, the height above the prediction.
+//!
+//! Based on: Guskov, Vidimče, Sweldens, Schröder, "Normal Meshes", 2000.
+
+use super::net::Net;
+use super::predict::Rings;
+use super::source::{Place, vertex_normals};
+use super::walk;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// How far the piercing point may be from the point nearest to the prediction, in lengths of the edge that is split.
+const FARTHEST: f64 = 0.5;
+
+/// The least cosine between the line and the source's normal where it pierces.
+const LEAST_COSINE: f64 = 0.35;
+
+/// Adds a level. Gives for each new vertex whether it is displaced along its normal alone.
+pub(super) fn refine(net: &mut Net<'_>) -> Vec<bool> {
+    let (topology, level) = (net.topology, net.level);
+    let facets = vertex_normals(&net.positions, &topology.triangles(level));
+    let below: &Net<'_> = net;
+    let new: Vec<(Place, bool)> = topology
+        .new_vertices(level + 1)
+        .into_par_iter()
+        .map_init(Rings::default, |rings, v| match topology.parents(v) {
+            Some(ends) => place(below, rings, ends, &facets),
+            None => (below.places[v as usize], false),
+        })
+        .collect();
+    net.level += 1;
+    for &(place, _) in &new {
+        net.places.push(place);
+        net.positions.push(net.source.position(place));
+        net.normals.push(net.source.normal(place));
+    }
+    new.into_iter().map(|(_, is_normal)| is_normal).collect()
+}
+
+fn place(net: &Net<'_>, rings: &mut Rings, ends: [u32; 2], facets: &[DVec3]) -> (Place, bool) {
+    let source = net.source;
+    let predicted = rings.predict(net.topology, net.level, ends, &net.positions);
+    let [a, b] = ends.map(|v| net.places[v as usize]);
+    if rings.is_border() {
+        let found = [a, b].map(|from| walk::descend_border(source, from, predicted));
+        let nearest = found.into_iter().flatten().min_by(|p, q| p.distance2.total_cmp(&q.distance2));
+        return (nearest.map_or(a, |f| f.place), false);
+    }
+    let [from_a, from_b] = [a, b].map(|from| walk::descend(source, from, predicted));
+    let near = if from_a.distance2 <= from_b.distance2 { from_a } else { from_b };
+    let normal = ends.iter().map(|&v| facets[v as usize]).sum::<DVec3>().normalize_or_zero();
+    let [p, q] = ends.map(|v| net.positions[v as usize]);
+    let farthest2 = FARTHEST * FARTHEST * p.distance_squared(q);
+    let pierced = walk::pierce(source, near.place.triangle, predicted, normal).filter(|found| {
+        found.position.distance_squared(near.position) <= farthest2
+            && source.normal(found.place).dot(normal) >= LEAST_COSINE
+    });
+    match pierced {
+        Some(found) => (found.place, true),
+        None => (near.place, false),
+    }
+}
