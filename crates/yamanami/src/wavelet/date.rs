@@ -64,7 +64,7 @@ pub fn date(models: Vec<DateModel>, out: &Path, progress: &dyn Fn(&str)) -> Resu
     let mut findings = Vec::new();
     for DateModel { name, origin, model, is_terrain } in models {
         let thresholds_m = usual_thresholds_m(model.to_mesh().bounds().diagonal());
-        let study = wavelet_study(&model, &WAVELETS, &thresholds_m, &|at| progress(&format!("{name}: {at}")));
+        let study = wavelet_study(&model, &WAVELETS, &thresholds_m, &|at| progress(&format!("{name}: {at}")))?;
         progress(&format!("{name}: figure 6"));
         approximations(&model, &out.join(format!("{name}_levels.png")))?;
         findings.push(Findings { name, origin, is_terrain, study });

@@ -1,8 +1,9 @@
-//! A model or terrain as a semi-regular mesh: recognised in its file, or laid over a grid.
+//! A model or terrain as a semi-regular mesh: recognised in its file, remeshed, or laid over a grid.
 
 use crate::Error;
 use glam::DVec3;
 use yamanami_core::{BaseFault, BaseMesh, HeightField, SemiRegular, TriangleMesh};
+use yamanami_multires::remesh::{RemeshOptions, RemeshReport, Remeshed, remesh};
 use yamanami_multires::semi_regular::recognise;
 
 /// A semi-regular mesh with the places of its vertices.
@@ -14,6 +15,8 @@ pub struct SemiRegularModel {
     pub mesh: SemiRegular,
     /// Places of the vertices in level order, metres.
     pub positions: Vec<DVec3>,
+    /// Their colours (sRGB and alpha), or empty.
+    pub colours: Vec<[u8; 4]>,
 }
 
 impl SemiRegularModel {
@@ -21,8 +24,20 @@ impl SemiRegularModel {
     /// surface.
     pub fn recognised(mesh: &TriangleMesh, title: String) -> Result<Option<Self>, Error> {
         let found = recognise(mesh)?;
-        let positions = found.source_vertex.iter().map(|&v| mesh.positions[v as usize]).collect();
-        Ok((found.mesh.levels() > 0).then_some(Self { title, mesh: found.mesh, positions }))
+        let of_source = &found.source_vertex;
+        let positions = of_source.iter().map(|&v| mesh.positions[v as usize]).collect();
+        let colours = of_source.iter().filter_map(|&v| mesh.colours.get(v as usize).copied()).collect();
+        Ok((found.mesh.levels() > 0).then_some(Self { title, mesh: found.mesh, positions, colours }))
+    }
+
+    /// Any surface, remeshed: see [`remesh`].
+    pub fn remeshed(
+        mesh: &TriangleMesh,
+        title: String,
+        options: &RemeshOptions<'_>,
+    ) -> Result<(Self, RemeshReport), Error> {
+        let Remeshed { topology, positions, colours, report, .. } = remesh(mesh, options)?;
+        Ok((Self { title, mesh: topology, positions, colours }, report))
     }
 
     /// A grid of heights: two base triangles a square of `2^levels` steps, as many levels as fit, cut at the right and below to whole
@@ -60,12 +75,13 @@ impl SemiRegularModel {
                 }
             }
         }
-        Ok(Self { title, mesh, positions })
+        Ok(Self { title, mesh, positions, colours: Vec::new() })
     }
 
     /// Its finest mesh, vertices in level order.
     pub fn to_mesh(&self) -> TriangleMesh {
-        TriangleMesh::new(self.positions.clone(), self.mesh.triangles(self.mesh.levels()))
+        let triangles = self.mesh.triangles(self.mesh.levels());
+        TriangleMesh { colours: self.colours.clone(), ..TriangleMesh::new(self.positions.clone(), triangles) }
     }
 
     /// The places as one list a coordinate.

@@ -3,16 +3,20 @@
 //! Based on: Date, Kanai, Kishinami: data compression rate (9), accuracy (10) and (11), non-zeros (13).
 
 use super::SemiRegularModel;
+use crate::Error;
 use glam::DVec3;
 use std::time::Instant;
-use yamanami_core::SemiRegular;
-use yamanami_measure::{Displacement, displacement};
+use yamanami_core::{SemiRegular, TriangleMesh};
+use yamanami_measure::{Displacement, SurfaceDistance, displacement, surface_distance};
 use yamanami_multires::kdisk::{Lifting, Wavelet, filters, keep_largest, l2_norm, largest_cosine};
+use yamanami_multires::semi_regular::{close, thresholded};
 
 /// Filters are written out, to be counted, on the finest level with at most so many vertices.
 const MOST_COUNTED: u32 = 20_000;
 /// Times are the best of so many runs.
 const RUNS: usize = 5;
+/// Samples of a surface distance, each way.
+const SAMPLES: usize = 40_000;
 /// Shares of the details that are kept, the largest first.
 pub const KEPT_SHARES: [f64; 5] = [0.5, 0.2, 0.1, 0.05, 0.02];
 
@@ -29,6 +33,8 @@ pub struct Approximation {
     pub compression_percent: f64,
     /// Equations (10) and (11), and more.
     pub moved: Displacement,
+    /// Two-sided distance between the mesh without cracks and the source, by samples; not measured at thresholds.
+    pub surface: Option<SurfaceDistance>,
     /// The displacement's L2 norm, all triangles taken as equal in area, metres: what the wavelets are made to keep small.
     pub l2_m: f64,
 }
@@ -99,33 +105,33 @@ pub fn wavelet_study(
     wavelets: &[Wavelet],
     thresholds_m: &[f64],
     progress: &dyn Fn(&str),
-) -> WaveletStudy {
+) -> Result<WaveletStudy, Error> {
     let mesh = &model.mesh;
     let levels = mesh.levels();
-    let diagonal_m = model.to_mesh().bounds().diagonal();
-    let triangles = mesh.triangles(levels);
+    let source = model.to_mesh();
+    let diagonal_m = source.bounds().diagonal();
     let rows = wavelets.iter().map(|&wavelet| {
         progress(&wavelet.to_string());
-        row(model, wavelet, &triangles, thresholds_m, diagonal_m)
+        row(model, wavelet, &source, thresholds_m, diagonal_m)
     });
-    WaveletStudy {
+    Ok(WaveletStudy {
         title: model.title.clone(),
         split_levels: levels,
         vertices: (0..=levels).map(|level| mesh.vertex_count(level)).collect(),
         base_faces: mesh.base().triangles().len(),
         diagonal_m,
         thresholds_m: thresholds_m.to_vec(),
-        rows: rows.collect(),
-    }
+        rows: rows.collect::<Result<_, _>>()?,
+    })
 }
 
 fn row(
     model: &SemiRegularModel,
     wavelet: Wavelet,
-    triangles: &[[u32; 3]],
+    source: &TriangleMesh,
     thresholds_m: &[f64],
     diagonal_m: f64,
-) -> WaveletRow {
+) -> Result<WaveletRow, Error> {
     let mesh = &model.mesh;
     let started = Instant::now();
     let lifting = Lifting::new(mesh, wavelet);
@@ -144,24 +150,24 @@ fn row(
     }
     let off = model.positions.iter().zip(places(&back)).map(|(a, b)| (*a - b).abs().max_element());
     let reconstruction = off.fold(0.0, f64::max) / diagonal_m;
-    let stage = Stage { model, lifting: &lifting, details: &details, triangles };
+    let stage = Stage { model, lifting: &lifting, details: &details, source };
     let lengths: Vec<f64> = places(&details).map(DVec3::length).collect();
     let costs: Vec<f64> = lengths.iter().zip(lifting.norms(mesh)).map(|(length, norm)| length * norm).collect();
     let base = mesh.vertex_count(0) as usize;
     let above = |threshold_m: f64| {
         let keep: Vec<bool> = lengths.iter().enumerate().map(|(v, &l)| v < base || l > threshold_m).collect();
-        Approximation { threshold_m: Some(threshold_m), ..stage.approximation(&keep) }
+        Ok(Approximation { threshold_m: Some(threshold_m), ..stage.approximation(&keep, false)? })
     };
-    let share = |share: f64| {
+    let share = |share: &f64| {
         let count = (share * (lengths.len() - base) as f64) as usize;
-        stage.approximation(&keep_largest(mesh, &costs, count))
+        stage.approximation(&keep_largest(mesh, &costs, count), true)
     };
     let up_to = |level: u32| {
         let count = mesh.vertex_count(level) as usize;
-        stage.approximation(&(0..lengths.len()).map(|v| v < count).collect::<Vec<_>>())
+        stage.approximation(&(0..lengths.len()).map(|v| v < count).collect::<Vec<_>>(), false)
     };
     let (fullness, largest_cosine) = of_filters(mesh, &lifting);
-    WaveletRow {
+    Ok(WaveletRow {
         wavelet,
         setup_s,
         analysis_s,
@@ -169,10 +175,10 @@ fn row(
         reconstruction,
         fullness,
         largest_cosine,
-        thresholds: thresholds_m.iter().map(|&t| above(t)).collect(),
-        shares: KEPT_SHARES.map(share).into(),
-        levels: (0..mesh.levels()).map(up_to).collect(),
-    }
+        thresholds: thresholds_m.iter().map(|&t| above(t)).collect::<Result<_, Error>>()?,
+        shares: KEPT_SHARES.iter().map(share).collect::<Result<_, _>>()?,
+        levels: (0..mesh.levels()).map(up_to).collect::<Result<_, _>>()?,
+    })
 }
 
 /// A model analysed by a wavelet.
@@ -180,11 +186,11 @@ struct Stage<'a> {
     model: &'a SemiRegularModel,
     lifting: &'a Lifting,
     details: &'a [Vec<f64>; 3],
-    triangles: &'a [[u32; 3]],
+    source: &'a TriangleMesh,
 }
 
 impl Stage<'_> {
-    fn approximation(&self, keep: &[bool]) -> Approximation {
+    fn approximation(&self, keep: &[bool], with_surface: bool) -> Result<Approximation, Error> {
         let SemiRegularModel { mesh, positions, .. } = self.model;
         let planes = kept(self.lifting, self.details, keep);
         let approximation: Vec<DVec3> = places(&planes).collect();
@@ -193,14 +199,34 @@ impl Stage<'_> {
         };
         let l2_m = (0..3).map(|axis| l2_norm(mesh, mesh.levels(), &off(axis)).powi(2)).sum::<f64>().sqrt();
         let vertices = keep.iter().filter(|&&k| k).count() as u32;
-        Approximation {
+        let (closed_vertices, surface) = self.closed(keep, &approximation, with_surface)?;
+        Ok(Approximation {
             threshold_m: None,
             vertices,
-            closed_vertices: vertices,
+            closed_vertices,
+            surface,
             compression_percent: 100.0 * (1.0 - f64::from(vertices) / positions.len() as f64),
-            moved: displacement(self.triangles, positions, &approximation),
+            moved: displacement(&self.source.triangles, positions, &approximation),
             l2_m,
+        })
+    }
+
+    /// Vertices of the mesh without cracks that has all kept details, and how far its surface is from the source.
+    fn closed(
+        &self,
+        keep: &[bool],
+        places_m: &[DVec3],
+        with_surface: bool,
+    ) -> Result<(u32, Option<SurfaceDistance>), Error> {
+        let mesh = &self.model.mesh;
+        if with_surface {
+            let found = thresholded(mesh, keep, places_m)?;
+            let distance = surface_distance(self.source, &found.mesh, SAMPLES, 1);
+            return Ok((found.vertices.len() as u32, Some(distance)));
         }
+        let mut keep = keep.to_vec();
+        close(mesh, &mut keep)?;
+        Ok((keep.iter().filter(|&&k| k).count() as u32, None))
     }
 }
 

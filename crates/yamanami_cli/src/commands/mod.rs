@@ -19,6 +19,7 @@ mod info_text;
 mod reduce;
 mod reduce_memory;
 mod reduce_text;
+mod remesh;
 mod render;
 mod render_model;
 mod reproduce;
@@ -67,6 +68,7 @@ enum Command {
     Reduce(Box<reduce::ReduceArgs>),
     Compare(compare::CompareArgs),
     Generate(generate::GenerateArgs),
+    Remesh(remesh::RemeshCommand),
     Wavelet(wavelet::WaveletArgs),
     Reproduce(reproduce::ReproduceArgs),
 }
@@ -84,6 +86,7 @@ impl Program {
             Command::Reduce(args) => reduce::run(args),
             Command::Compare(args) => compare::run(args),
             Command::Generate(args) => generate::run(args),
+            Command::Remesh(args) => remesh::run(args),
             Command::Wavelet(args) => wavelet::run(args),
             Command::Reproduce(args) => reproduce::run(args),
         }

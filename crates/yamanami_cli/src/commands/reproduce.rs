@@ -1,10 +1,10 @@
 //! `reproduce`: a paper's figures on real data.
 
 use crate::args::{ReadingArgs, UpArgs};
-use crate::commands::{demo, wavelet};
+use crate::commands::{demo, remesh, wavelet};
 use crate::failure::Failure;
 use crate::progress::Bar;
-use crate::{inputs, out, values};
+use crate::{inputs, out, text, values};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use yamanami::io::mesh_file;
@@ -137,8 +137,14 @@ fn date(args: &ReproduceArgs) -> Result<(), Failure> {
         let mut mesh = mesh_file::read_mesh(scan)?;
         args.up.turn(&mut mesh);
         let title = scan.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let model = wavelet::recognised(&mesh, scan, title)?;
-        let origin = format!("A scan of {} triangles.", mesh.triangles.len());
+        remesh::mend(&mut mesh);
+        bar.set_job(&format!("remeshing {title}"));
+        let (model, report) = wavelet::semi_regular(&mesh, scan, title, Some(&remesh::RemeshArgs::default()))?;
+        let how = report.map_or_else(
+            || "which has levels".to_owned(),
+            |r| format!("remeshed; two-sided RMS to the scan {:.1e} of the diagonal", r.rms_m() / r.diagonal_m),
+        );
+        let origin = format!("A scan of {} triangles, {how}.", text::count(mesh.triangles.len()));
         models.push(DateModel { name: scan_name(nth), origin, model, is_terrain: false });
     }
     let terrain = match &args.dem {

@@ -1,5 +1,6 @@
 //! `wavelet`: a model or terrain under k-disk wavelets of growing width.
 
+use super::remesh::{RemeshArgs, mend};
 use super::wavelet_text;
 use crate::args::ReadingArgs;
 use crate::failure::Failure;
@@ -10,6 +11,7 @@ use std::path::{Path, PathBuf};
 use yamanami::core::TriangleMesh;
 use yamanami::io::{dem, mesh_file};
 use yamanami::multires::kdisk::Wavelet;
+use yamanami::multires::remesh::RemeshReport;
 use yamanami::{SemiRegularModel, usual_thresholds_m, wavelet_study, write_wavelet_plots};
 
 /// Compare wavelets on a model or terrain: compression, accuracy, time
@@ -18,11 +20,12 @@ use yamanami::{SemiRegularModel, usual_thresholds_m, wavelet_study, write_wavele
 Examples:
   yamanami generate ball -o ball.ply
   yamanami wavelet ball.ply                                all wavelets, a table for each measure
+  yamanami wavelet scan.ply --remesh                       a scan, made semi-regular first
   yamanami wavelet dem.tif --wavelets lazy,kdisk:2         the same for heights
   yamanami wavelet ball.ply -o plots --json                plots too; numbers for a machine
 
 A model needs subdivision connectivity: each triangle of a base mesh split in four, again and again. It is
-found in any order of vertices and triangles.
+found in any order of vertices and triangles. With --remesh a scan gets it first.
 
 Wavelets: lazy (new vertices less the middle of their parents), kdisk:K (orthogonal to the hat functions of
 the vertices within K edges, 0 to 8), orthogonal (to all of them: least squares, the limit).")]
@@ -41,6 +44,11 @@ pub(crate) struct WaveletArgs {
     /// Print JSON
     #[arg(long, help_heading = "Results")]
     json: bool,
+    /// Remesh a model that has no levels
+    #[arg(long, help_heading = "Remeshing")]
+    remesh: bool,
+    #[command(flatten)]
+    how: RemeshArgs,
     #[command(flatten)]
     reading: ReadingArgs,
 }
@@ -49,14 +57,14 @@ pub(crate) fn run(args: &WaveletArgs) -> Result<(), Failure> {
     if let Some(folder) = &args.output {
         inputs::make_folder(folder)?;
     }
-    let model = open(&args.source, &args.reading)?;
+    let model = open(&args.source, &args.reading, args.remesh.then_some(&args.how))?;
     let thresholds_m = match args.thresholds.as_slice() {
         [] => usual_thresholds_m(model.to_mesh().bounds().diagonal()),
         given => given.to_vec(),
     };
     let study = {
         let bar = Bar::spinner("analysing");
-        wavelet_study(&model, &args.wavelets, &thresholds_m, &|at| bar.set_job(&format!("analysing: {at}")))
+        wavelet_study(&model, &args.wavelets, &thresholds_m, &|at| bar.set_job(&format!("analysing: {at}")))?
     };
     if args.json {
         wavelet_text::json(&study)?;
@@ -72,14 +80,17 @@ pub(crate) fn run(args: &WaveletArgs) -> Result<(), Failure> {
 }
 
 /// A semi-regular model: an elevation file's grid, or a mesh that has levels.
-fn open(path: &Path, reading: &ReadingArgs) -> Result<SemiRegularModel, Failure> {
+fn open(path: &Path, reading: &ReadingArgs, remesh: Option<&RemeshArgs>) -> Result<SemiRegularModel, Failure> {
     let title = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     if inputs::is_mesh(path) {
-        let mesh = {
+        let mut mesh = {
             let _bar = Bar::spinner("reading");
             mesh_file::read_mesh(path)?
         };
-        return recognised(&mesh, path, title);
+        if remesh.is_some() {
+            mend(&mut mesh);
+        }
+        return Ok(semi_regular(&mesh, path, title, remesh)?.0);
     }
     let field = {
         let _bar = Bar::spinner("reading");
@@ -88,16 +99,27 @@ fn open(path: &Path, reading: &ReadingArgs) -> Result<SemiRegularModel, Failure>
     Ok(SemiRegularModel::of_heights(&field, title)?)
 }
 
-/// A mesh as a semi-regular model, or what to do where it is none.
-pub(crate) fn recognised(mesh: &TriangleMesh, path: &Path, title: String) -> Result<SemiRegularModel, Failure> {
+/// A mesh as a semi-regular model: by its own levels, or remeshed where it has none and that is wanted.
+pub(crate) fn semi_regular(
+    mesh: &TriangleMesh,
+    path: &Path,
+    title: String,
+    remesh: Option<&RemeshArgs>,
+) -> Result<(SemiRegularModel, Option<RemeshReport>), Failure> {
     let named = |e: yamanami::Error| Failure::failed(format!("{}: {e}", path.display()));
-    SemiRegularModel::recognised(mesh, title).map_err(named)?.ok_or_else(|| {
-        Failure::failed(format!(
-            "{}: has no subdivision connectivity: expected triangles that come from splitting a base mesh four to one, given {} \
-             that do not; remesh it first: yamanami remesh {} -o remeshed.ply",
+    if let Some(model) = SemiRegularModel::recognised(mesh, title.clone()).map_err(named)? {
+        return Ok((model, None));
+    }
+    let Some(args) = remesh else {
+        return Err(Failure::failed(format!(
+            "{0}: no subdivision connectivity: expected triangles that come from splitting a base mesh four to one, given {1} that \
+             do not; add --remesh, or remesh once: yamanami remesh {0} -o remeshed.ply",
             path.display(),
             mesh.triangles.len(),
-            path.display()
-        ))
-    })
+        )));
+    };
+    let bar = Bar::shares("remeshing");
+    let progress = |share| bar.set_share(share);
+    let (model, report) = SemiRegularModel::remeshed(mesh, title, &args.options(&progress)).map_err(named)?;
+    Ok((model, Some(report)))
 }

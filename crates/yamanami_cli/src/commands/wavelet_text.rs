@@ -136,5 +136,7 @@ fn approximation_json(a: &Approximation) -> Value {
         "rms_m": a.moved.rms_m,
         "max_m": a.moved.max_m,
         "l2_m": a.l2_m,
+        "surface_rms_m": a.surface.map(|s| s.rms_m),
+        "surface_hausdorff_m": a.surface.map(|s| s.hausdorff_m),
     })
 }
