@@ -155,6 +155,30 @@ fn what_is_flat_needs_no_node() {
 }
 
 #[test]
+fn moving_along_the_surface_is_no_error() {
+    let base = TriangleMesh::new(vec![DVec3::ZERO, DVec3::X * 4.0, DVec3::Y * 4.0], vec![[0, 1, 2]]);
+    let (mesh, mut positions) = rough(&base, 1, 0.0, 0);
+    positions[3].x += 0.5;
+    positions[4] += DVec3::new(0.25, -0.25, 0.0);
+    positions[5].y -= 1.0;
+    let surface = SemiRegularSurface::new(mesh, positions, Vec::new()).unwrap();
+    assert!((3..6).all(|node| surface.error_m(node) == 0.0));
+}
+
+#[test]
+fn two_sides_of_one_triangle_and_places_all_in_one_are_lawful() {
+    let pillow = TriangleMesh::new(vec![DVec3::ZERO, DVec3::X, DVec3::Y], vec![[0, 1, 2], [0, 2, 1]]);
+    let (mesh, positions) = rough(&pillow, 4, 0.2, 3);
+    let surface = SemiRegularSurface::new(mesh.clone(), positions, Vec::new()).unwrap();
+    hierarchy_law(&surface);
+    surface_law(&surface, 2);
+    let nowhere = vec![DVec3::ONE; mesh.vertex_count(4) as usize];
+    let surface = SemiRegularSurface::new(mesh, nowhere, Vec::new()).unwrap();
+    assert!((3..surface.node_bound()).all(|node| surface.error_m(node) == 0.0));
+    hierarchy_law(&surface);
+}
+
+#[test]
 fn the_result_does_not_depend_on_the_threads() {
     let with = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

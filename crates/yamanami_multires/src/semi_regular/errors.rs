@@ -1,26 +1,31 @@
 //! Errors and bounds of the nodes of a semi-regular surface: what distance stays while a node is missing, and what it and its
 //! descendants change.
 //!
-//! *Why the errors bound the two-sided distance.* A front and the finest mesh are two maps of the base mesh into space, `M` and `F`,
-//! both linear on pieces. Every point of one has a partner on the other, so neither surface is farther from the other than the greatest
-//! `|M(u) − F(u)|`. A front draws each base triangle in parts: triangles T of some level, each by the template of the set c of its applied
-//! midpoints, short of all. It is enough to have E(c) ≥ |M − F| on T for each c, and *some* missing midpoint that answers for it
-//! ([`charge_three`]); a front that has all nodes with an error above a tolerance then draws only templates within the tolerance.
+//! *What must hold.* A front draws each base triangle in parts: triangles T of some level, each by the template of the set c of its
+//! applied midpoints, short of all. Let E(c) bound the two-sided distance between the template and the finest mesh's part F that belongs
+//! to T. It is enough that *some* missing midpoint answers for E(c) ([`charge_three`]): a front that has all nodes with an error above
+//! a tolerance then draws only templates within the tolerance, and the whole is not farther off than its worst part.
 //!
-//! *E(c).* Let L be the plane of T's corners, `d_h, d_p, d_q` how far the midpoints lie off the middles of their edges.
-//! - `whole` = greatest |F − L| at the finest vertices of T. F − L is linear on each finest triangle of T, a length of something
-//!   linear is convex, so `whole` is greatest on all of T: it is E({}).
-//! - A template's hat functions add up to one at most, so |M_c − L| is at most the greatest applied |d|, and
-//!   E(c) ≤ whole + that.
-//! - Let M_4 be linear on T's four children: |F − M_4| is at most the greatest `whole` of the children. M_c − M_4 is linear on the
-//!   pieces into which their edges cut T. At T's corners and applied midpoints it vanishes; at a missing midpoint it is that one's d. The
-//!   one edge of M_c that is not one of M_4 is a median, from a corner to the midpoint x between y and z; it crosses the edge yz
-//!   in the middle of both, where M_c − M_4 = (d_x − d_y − d_z) / 2. So E(c) ≤ greatest `whole` of the children + greatest of these.
+//! *A lemma.* Let D be a triangle and F a surface over it, linear on pieces, through D's corners. Let a be the greatest distance of F's
+//! vertices from D, and b that of the vertices on F's sides from the straight side. Then the two-sided distance is at most max(a, b). No
+//! point of F is farther than a from D, as the distance to something convex is greatest at vertices. For the other way, widen F by a
+//! collar, from each point w of a side straight to the nearest point n(w) of the straight side; and send each point to the nearest one
+//! of D. The collar's rim goes once around D's, side onto side, so that every x of D is met: it is the nearest point of D to some point y. If y is
+//! of F, x is within a. If y = (1 − t) w + t n(w) is of the collar, |x − y| ≤ (1 − t) b and |y − w| ≤ t b, so w is within b of x. How fast
+//! F moves along D or its sides does not matter.
 //!
-//! Both hold, so the lesser counts. Errors are then made monotone: a node's is not below its children's. They are exact up to the
-//! rounding of f64 and rounded up to f32.
+//! *E(c).* Let `whole` be the lemma's bound for T and all of F; it is E({}). Let M be the template and M_4 T's four children, drawn.
+//! - M is a surface over T: by the lemma it is within the greatest distance of an applied midpoint from its side. So E(c) ≤ whole + that.
+//! - F is within the greatest `whole` of the children of M_4. M_4 is a surface over each triangle of M. Its vertices there lie on the
+//!   sides: missing midpoints on sides of T; and the one side that is no edge of M_4, a median from a corner to the midpoint x between y and
+//!   z, crosses the edge yz in the middle of both. So E(c) ≤ greatest `whole` of the children + greatest distance of the missing
+//!   midpoints from their sides and of (y + z) / 2 from the median.
+//!
+//! Both hold, so the lesser counts. Errors are then made monotone: a node's is not below its children's. They are rounded up to f32; the
+//! rounding of f64 before is left aside.
 
 use super::triangle::{Triangle, adjacent, children};
+use crate::bound::triangle::{distance2, nearest_on_edge};
 use crate::wavelet::charge_three;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -140,38 +145,48 @@ impl<'a> Grid<'a> {
         triangles
             .map(|(index, charges)| {
                 let t = Triangle::from_index(self.face, level, index as u32);
-                let [r, p, q, h, m, n] = t.points().map(|at| self.at(level + 1, at));
-                let details = [h - 0.5 * (p + q), m - 0.5 * (r + p), n - 0.5 * (q + r)];
+                let points = t.points().map(|at| self.at(level + 1, at));
                 let children = t.children().map(|child| whole_below[child.index() as usize]);
-                let whole = self.whole(t, [r, p, q]);
-                let errors = config_errors(whole, children.into_iter().fold(0.0, f64::max), details);
+                let whole = self.whole(t, points);
+                let errors = config_errors(whole, children.into_iter().fold(0.0, f64::max), points);
                 *charges = charge_three(&errors.map(round_up));
                 whole
             })
             .collect()
     }
 
-    /// Greatest distance of the finest vertices of a triangle from where it would have them.
-    fn whole(&self, t: Triangle, [r, p, q]: [DVec3; 3]) -> f64 {
+    /// The lemma's bound for a triangle with the corners R, P, Q and all of the finest mesh above it.
+    fn whole(&self, t: Triangle, [r, p, q, ..]: [DVec3; 6]) -> f64 {
         let shift = self.levels - t.level;
         let side = 1usize << shift;
-        let inverse = 1.0 / side as f64;
-        // from a corner on, along its two sides; a turned triangle is walked backwards
-        let [a, b] = t.at.map(|c| ((c + u32::from(t.half)) << shift) as usize);
-        let (corner, along, across) = if t.half == 0 { (r, p - r, q - r) } else { (p, q - p, r - p) };
-        let (along, across) = (along * inverse, across * inverse);
+        // from corner A on, along its sides to B and C; a turned triangle is walked backwards
+        let [x, y] = t.at.map(|at| ((at + u32::from(t.half)) << shift) as usize);
+        let corners @ [a, b, c] = if t.half == 0 { [r, p, q] } else { [p, q, r] };
+        let [along, across] = [b, c].map(|end| (end - a) / side as f64);
         let mut worst = 0f64;
         for j in 0..=side {
-            let start = corner + across * j as f64;
+            let start = a + across * j as f64;
             let mut weigh = |i: usize, place: DVec3| {
-                worst = worst.max((place - start - along * i as f64).length_squared());
+                // its own point of the triangle is not the nearest, but close enough for most
+                if place.distance_squared(start + along * i as f64) > worst {
+                    let edge = match (i, j) {
+                        (_, 0) => Some([a, b]),
+                        (0, _) => Some([a, c]),
+                        _ if i + j == side => Some([b, c]),
+                        _ => None,
+                    };
+                    worst = worst.max(match edge {
+                        Some(edge) => place.distance_squared(nearest_on_edge(place, edge)),
+                        None => distance2(place, &corners),
+                    });
+                }
             };
             let count = side - j + 1;
             if t.half == 0 {
-                let first = self.row(b + j) + a;
+                let first = self.row(y + j) + x;
                 self.places[first..first + count].iter().enumerate().for_each(|(i, &place)| weigh(i, place));
             } else {
-                let last = self.row(b - j) + a;
+                let last = self.row(y - j) + x;
                 let row = &self.places[last + 1 - count..=last];
                 row.iter().rev().enumerate().for_each(|(i, &place)| weigh(i, place));
             }
@@ -180,21 +195,29 @@ impl<'a> Grid<'a> {
     }
 }
 
-/// The midpoint (0 = h, 1 = p, 2 = q) to which each template has a median.
-const MEDIAN: [usize; 7] = [0, 0, 1, 0, 2, 0, 2];
+/// Roles of the ends of the sides that h, p, q lie on.
+const SIDES: [[usize; 2]; 3] = [[1, 2], [0, 1], [2, 0]];
 
-/// E(c) of the seven configurations short of all, see above.
-fn config_errors(whole: f64, children: f64, details: [DVec3; 3]) -> [f64; 7] {
+/// The midpoint (0 = h, 1 = p, 2 = q) to which each template has a median, and the roles of the corners opposite to these.
+const MEDIAN: [usize; 7] = [0, 0, 1, 0, 2, 0, 2];
+const OPPOSITE: [usize; 3] = [0, 2, 1];
+
+/// E(c) of the seven configurations short of all, see above, of a triangle with the points R, P, Q, h, p, q.
+fn config_errors(whole: f64, children: f64, points: [DVec3; 6]) -> [f64; 7] {
+    let off = |place: DVec3, edge: [usize; 2]| place.distance(nearest_on_edge(place, edge.map(|role| points[role])));
+    let midpoints: [f64; 3] = std::array::from_fn(|k| off(points[3 + k], SIDES[k]));
+    let medians: [f64; 3] = std::array::from_fn(|x| {
+        let crossing = 0.5 * (points[3 + (x + 1) % 3] + points[3 + (x + 2) % 3]);
+        off(crossing, [OPPOSITE[x], 3 + x])
+    });
     std::array::from_fn(|config| {
         if config == 0 {
             return whole;
         }
-        let x = MEDIAN[config];
-        let crossing = 0.5 * (details[x] - details[(x + 1) % 3] - details[(x + 2) % 3]).length();
-        let (mut applied, mut left) = (0f64, crossing);
-        for (bit, detail) in details.iter().enumerate() {
+        let (mut applied, mut left) = (0f64, medians[MEDIAN[config]]);
+        for (bit, &midpoint) in midpoints.iter().enumerate() {
             let of = if config >> bit & 1 == 1 { &mut applied } else { &mut left };
-            *of = of.max(detail.length());
+            *of = of.max(midpoint);
         }
         (whole + applied).min(children + left)
     })
