@@ -29,7 +29,7 @@ use yamanami_core::{SemiRegular, TriangleMesh};
 const LEAST_BASE: [usize; 3] = [48, 24, 8];
 
 /// Faces up to which the parametrisation alone places vertices: enough to have an idea of the shape.
-const PARAMETRIC_FACES: usize = 6000;
+const PARAMETRIC_FACES: usize = 16_000;
 
 /// Rounds of evening out, at that level and after each later one.
 const ROUNDS: usize = 60;

@@ -42,11 +42,12 @@ impl<'a> Net<'a> {
         self.normals[v] = self.source.normal(place);
     }
 
-    /// The cosine between a triangle's normal and the source's at its corners, were the first corner at `at`.
+    /// The least cosine between a triangle's normal and the source's at its corners, were the first corner at `at`: near 0 where the
+    /// triangle cuts off what stands out between them.
     pub(super) fn facing(&self, [at, normal]: [DVec3; 2], [b, c]: [u32; 2]) -> f64 {
         let [p, q] = [b, c].map(|v| self.positions[v as usize]);
-        let there = normal + self.normals[b as usize] + self.normals[c as usize];
-        (p - at).cross(q - at).normalize_or_zero().dot(there.normalize_or_zero())
+        let own = (p - at).cross(q - at).normalize_or_zero();
+        own.dot(normal).min(own.dot(self.normals[b as usize])).min(own.dot(self.normals[c as usize]))
     }
 
     /// The least of these around a vertex with these neighbours.
@@ -57,8 +58,11 @@ impl<'a> Net<'a> {
 
     /// Triangles that face away from the source.
     pub(super) fn folded(&self) -> usize {
-        let faces_away =
-            |&[a, b, c]: &[u32; 3]| self.facing([self.positions[a as usize], self.normals[a as usize]], [b, c]) < 0.0;
+        let faces_away = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(|v| self.positions[v as usize]);
+            let there: DVec3 = t.iter().map(|&v| self.normals[v as usize]).sum();
+            (b - a).cross(c - a).dot(there) < 0.0
+        };
         self.topology.triangles(self.level).iter().filter(|t| faces_away(t)).count()
     }
 }
