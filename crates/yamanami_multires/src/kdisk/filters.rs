@@ -1,6 +1,9 @@
-//! The filters as sparse matrices, in the words of the paper's Table 1: slow and plain, for checks and counts.
+//! The filters as sparse matrices, in the words of the paper's Table 1: slow and plain, for checks and counts. They are found from
+//! the disks alone, without what makes lifting fast.
 
-use super::lifting::{Lifting, Wavelet};
+use super::disk::DiskFinder;
+use super::lifting::{Lifting, MOST_RINGS, Wavelet};
+use super::stencil::Stencils;
 use yamanami_core::SemiRegular;
 
 /// A sparse matrix by rows: column and value of what is not zero, ascending by column.
@@ -54,9 +57,13 @@ pub struct Filters {
 
 /// The filters between `level` and the next finer one. None for [`Wavelet::Orthogonal`], whose filters are dense.
 pub fn filters(mesh: &SemiRegular, lifting: &Lifting, level: u32) -> Option<Filters> {
-    if lifting.wavelet() == Wavelet::Orthogonal {
-        return None;
-    }
+    let rings = match lifting.wavelet() {
+        Wavelet::Lazy => None,
+        Wavelet::KDisk(k) => Some(k.min(MOST_RINGS)),
+        Wavelet::Orthogonal => return None,
+    };
+    let mut finder = DiskFinder::new(mesh, level, rings.unwrap_or(0));
+    let mut stencils = Stencils::default();
     let (coarse, fine) = (mesh.vertex_count(level), mesh.vertex_count(level + 1));
     let mut a: Vec<(u32, u32, f64)> = (0..coarse).map(|v| (v, v, 1.0)).collect();
     let mut p = a.clone();
@@ -76,7 +83,12 @@ pub fn filters(mesh: &SemiRegular, lifting: &Lifting, level: u32) -> Option<Filt
             b.push((nth, parent, -0.5));
             p.push((vertex, parent, 0.5));
         }
-        for (v, share) in lifting.shares(level, nth as usize) {
+        if rings.is_none() {
+            continue;
+        }
+        let disk = finder.find(parents);
+        let stencil = stencils.of(&disk);
+        for (&v, &share) in disk.vertices.iter().zip(stencils.shares(stencil)) {
             a.push((v, vertex, share));
             a.extend(parents.map(|parent| (v, parent, -0.5 * share)));
             q.push((v, nth, -share));

@@ -8,13 +8,20 @@
 //! of the parents each take a share `s` of it, so that the wavelet is orthogonal to their hat functions. Synthesis takes the same
 //! steps back. The `lazy` wavelet has no shares; for `orthogonal` all coarse vertices have, found by solving.
 
+mod cells;
 mod disk;
 mod filters;
 mod lifting;
 mod orthogonal;
+mod predict;
 mod products;
+mod regular;
+mod rim;
 mod stencil;
+mod sums;
 mod threshold;
+mod update;
+mod wheel;
 
 pub use filters::{Filters, Sparse, filters};
 pub use lifting::{Lifting, MOST_RINGS, Wavelet};

@@ -3,6 +3,8 @@
 //! Based on: Hestenes, Stiefel, "Methods of conjugate gradients for solving linear systems", 1952. The hats' inner products are well
 //! conditioned whatever the size of the mesh, so some tens of steps do, and the cost is linear.
 
+use super::cells::Cells;
+use rayon::prelude::*;
 use yamanami_core::SemiRegular;
 
 /// Steps enough for rounding level on any mesh; usually some forty are taken.
@@ -13,21 +15,21 @@ const ENOUGH: f64 = 1e-16;
 /// The approximation's system at one level.
 #[derive(Debug)]
 pub(super) struct Projection {
-    coarse: usize,
+    /// Cells at the corners of the level's triangles.
     triangles: Vec<[u32; 3]>,
-    /// The midpoints of each triangle's sides, of corners 0–1, 1–2, 2–0, as places among the new vertices.
+    /// The details on each triangle's sides, of corners 0–1, 1–2, 2–0.
     midpoints: Vec<[u32; 3]>,
     diagonal: Vec<f64>,
 }
 
 impl Projection {
     pub(super) fn new(mesh: &SemiRegular, level: u32) -> Self {
-        let coarse = mesh.vertex_count(level);
-        let size = 1u32 << level;
+        let cells = Cells::new(mesh.base(), level);
+        let size = cells.size;
         let (mut triangles, mut midpoints) = (Vec::new(), Vec::new());
-        for face in 0..mesh.base().triangles().len() as u32 {
-            let at = |a: u32, b: u32| mesh.vertex(level, face, [a, b]);
-            let new = |a: u32, b: u32| mesh.vertex(level + 1, face, [a, b]) - coarse;
+        for face in 0..mesh.base().triangles().len() {
+            let at = |a: usize, b: usize| cells.cell(face, [a, b]) as u32;
+            let new = |a: usize, b: usize| cells.detail(face, [a, b]) as u32;
             for b in 0..size {
                 for a in 0..size - b {
                     triangles.push([at(a, b), at(a + 1, b), at(a, b + 1)]);
@@ -40,26 +42,37 @@ impl Projection {
                 }
             }
         }
-        let mut diagonal = vec![0.0; coarse as usize];
+        let mut diagonal = vec![0.0; cells.count()];
         for &v in triangles.iter().flatten() {
             diagonal[v as usize] += 8.0;
         }
-        Self { coarse: coarse as usize, triangles, midpoints, diagonal }
+        Self { triangles, midpoints, diagonal }
     }
 
-    /// Adds, or takes away, the approximation of the details from the coarse values.
-    pub(super) fn add(&self, values: &mut [f64], sign: f64) {
-        let (even, odd) = values.split_at_mut(self.coarse);
-        let mut right = vec![0.0; self.coarse];
+    pub(super) fn bytes(&self) -> usize {
+        12 * (self.triangles.len() + self.midpoints.len()) + 8 * self.diagonal.len()
+    }
+
+    /// Adds, or takes away, the approximation of the details from the cells.
+    pub(super) fn add<const D: usize>(&self, cells: &mut [[f64; D]], details: &[[f64; D]], sign: f64) {
+        let of_coordinates: Vec<Vec<f64>> = (0..D).into_par_iter().map(|k| self.approximation(details, k)).collect();
+        for (k, x) in of_coordinates.iter().enumerate() {
+            for (cell, x) in cells.iter_mut().zip(x) {
+                cell[k] += sign * x;
+            }
+        }
+    }
+
+    /// One coordinate of the coarse function that is nearest to the details.
+    fn approximation<const D: usize>(&self, details: &[[f64; D]], coordinate: usize) -> Vec<f64> {
+        let mut right = vec![0.0; self.diagonal.len()];
         for (corners, middles) in self.triangles.iter().zip(&self.midpoints) {
-            let d = middles.map(|m| odd[m as usize]);
+            let d = middles.map(|m| details[m as usize][coordinate]);
             for k in 0..3 {
                 right[corners[k] as usize] += 5.0 * (d[k] + d[(k + 2) % 3]) + 2.0 * d[(k + 1) % 3];
             }
         }
-        for (value, x) in even.iter_mut().zip(self.solve(right)) {
-            *value += sign * x;
-        }
+        self.solve(right)
     }
 
     fn solve(&self, right: Vec<f64>) -> Vec<f64> {

@@ -14,7 +14,6 @@ pub(super) struct Stencils {
     begins: Vec<u32>,
     shares: Vec<f64>,
     square_norms: Vec<f64>,
-    edge_triangles: Vec<u8>,
 }
 
 impl Stencils {
@@ -28,7 +27,6 @@ impl Stencils {
         let shares = solve(gram, &right);
         let along: f64 = shares.iter().zip(&right).map(|(s, r)| s * r).sum();
         self.square_norms.push(6.0 * disk.edge_triangles() as f64 - along);
-        self.edge_triangles.push(disk.edge_triangles() as u8);
         self.begins.push(self.shares.len() as u32);
         self.shares.extend(shares);
         self.known.insert(disk.signature.into(), number);
@@ -46,9 +44,10 @@ impl Stencils {
         self.square_norms[number as usize]
     }
 
-    /// The square norm of the lazy wavelet at the same place.
-    pub(super) fn lazy_square_norm(&self, number: u32) -> f64 {
-        6.0 * f64::from(self.edge_triangles[number as usize])
+    /// Bytes that are held, roughly.
+    pub(super) fn bytes(&self) -> usize {
+        let known: usize = self.known.keys().map(|k| 2 * k.len() + 24).sum();
+        known + 8 * (self.shares.len() + self.square_norms.len()) + 4 * self.begins.len()
     }
 
     /// How many different ones there are.
