@@ -4,7 +4,7 @@ use glam::DVec3;
 use proptest::prelude::*;
 use yamanami_core::{ActiveSet, BaseMesh, Hierarchy, MeshMirror, NodeId, SemiRegular, Surface, TriangleMesh};
 use yamanami_multires::bound::{BoundOptions, distance_bound};
-use yamanami_multires::semi_regular::{SemiRegularSurface, close, thresholded};
+use yamanami_multires::semi_regular::{SemiRegularSurface, close, recognise, thresholded};
 use yamanami_testkit::laws::{Kind, closure_law_of, hierarchy_law, surface_law};
 use yamanami_testkit::{Rng, check_conforming, models};
 
@@ -152,6 +152,27 @@ fn what_is_flat_needs_no_node() {
     let needed = (0..surface.node_bound()).filter(|&n| surface.error_m(n) > 1e-6).count();
     assert!((4..40).contains(&needed), "{needed}");
     assert!((0.5..0.51).contains(&surface.error_m(spike as u32)));
+}
+
+#[test]
+fn a_plain_mesh_recognised_is_shown_as_it_was() {
+    let source = models::sphere(4);
+    let found = recognise(&source).unwrap();
+    let positions: Vec<DVec3> = found.source_vertex.iter().map(|&v| source.positions[v as usize]).collect();
+    let surface = SemiRegularSurface::new(found.mesh, positions, Vec::new()).unwrap();
+    assert_eq!(surface.base_triangle_count(), 8);
+    let full = surface.mesh_of(&|_: NodeId| true);
+    let sorted = |mesh: &TriangleMesh| {
+        let corners = |t| mesh.corners(t).map(|p: DVec3| p.to_array().map(f64::to_bits));
+        let mut all: Vec<_> = (0..mesh.triangles.len()).map(corners).collect();
+        for t in &mut all {
+            let least = (0..3).min_by_key(|&k| t[k]).unwrap();
+            t.rotate_left(least);
+        }
+        all.sort_unstable();
+        all
+    };
+    assert_eq!(sorted(&full), sorted(&source));
 }
 
 #[test]
