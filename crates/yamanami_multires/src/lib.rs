@@ -10,6 +10,7 @@ pub mod clean;
 pub mod cluster;
 pub mod collapse;
 mod error;
+pub mod progressive;
 pub mod wavelet;
 
 pub use error::MultiresError;
