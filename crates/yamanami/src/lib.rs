@@ -32,6 +32,7 @@ mod model_view;
 mod page;
 mod path;
 mod polygon;
+mod progressive;
 mod reduce;
 mod reproduce;
 mod scene;
@@ -56,6 +57,9 @@ pub use model::{Model, ModelBuild, ModelStoreOptions, ModelStored};
 pub use model_picture::{MODEL_BACKGROUND, coloured_style, model_pixels, model_style};
 pub use model_view::{model_camera, model_views, turn_back_y_up, turn_y_up};
 pub use path::{CameraPath, orbit, read_path, valley_run, write_path};
+pub use progressive::{
+    ProgressiveFile, ProgressiveOptions, ProgressiveSurface, decode_progressive, encode_progressive, read_progressive,
+};
 pub use reduce::{DisplayNeed, POLYGONS_PER_PIXEL, Reduced, ReducedBy, display_need, reduce, reduce_within};
 
 pub use reproduce::hashida;

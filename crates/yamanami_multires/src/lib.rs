@@ -12,8 +12,10 @@ pub mod cluster;
 pub mod collapse;
 mod error;
 pub mod kdisk;
+pub mod progressive;
 pub mod remesh;
 pub mod semi_regular;
+
 pub mod wavelet;
 
 pub use error::MultiresError;
