@@ -67,8 +67,8 @@ pub use scene::{Scene, Update};
 pub use subject::Subject;
 pub use terrain::{OpenOptions, Terrain};
 pub use wavelet::{
-    Approximation, DateModel, Fullness, KEPT_SHARES, SemiRegularModel, WaveletRow, WaveletStudy, date, paper_fullness,
-    usual_thresholds_m, wavelet_study, write_wavelet_plots,
+    Approximation, DateModel, Fullness, KEPT_SHARES, SemiRegularModel, WaveletModel, WaveletRow, WaveletStudy, date,
+    paper_fullness, usual_thresholds_m, wavelet_study, write_wavelet_plots,
 };
 pub use yama::{StoreOptions, quantise};
 

@@ -16,6 +16,7 @@ mod info;
 mod info_mesh;
 mod info_model;
 mod info_text;
+mod progressive;
 mod reduce;
 mod reduce_memory;
 mod reduce_text;

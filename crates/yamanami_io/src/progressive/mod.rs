@@ -111,6 +111,15 @@ pub fn decode(name: &Path, bytes: &[u8], limits: ProgressiveLimits) -> Result<Pr
     Ok(ProgressiveModel { mesh: header.mesh, coefficients: known.coefficients, meta: header.meta, report })
 }
 
+/// Whether a file begins as a progressive model does.
+pub fn is_progressive(path: &Path) -> Result<bool, IoError> {
+    use std::io::Read;
+    let mut first = Vec::new();
+    let read = std::fs::File::open(path).and_then(|file| file.take(header::MAGIC.len() as u64).read_to_end(&mut first));
+    read.map_err(|e| IoError::io(path, e))?;
+    Ok(first == header::MAGIC)
+}
+
 /// Writes a file of these bytes; it appears whole or not at all.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), IoError> {
     crate::mesh_file::write_whole(path, bytes)
