@@ -44,12 +44,6 @@ struct Sheet {
     rest: RangeInclusive<i32>,
 }
 
-/// A triangle and those beyond its sides.
-struct Sheets {
-    own: Sheet,
-    beyond: [Option<Sheet>; 3],
-}
-
 /// Working space: copied rows of the three directions of details, and the taps as offsets in them.
 struct Copied<const D: usize> {
     values: Vec<[f64; D]>,
@@ -109,114 +103,148 @@ impl Surroundings<'_> {
         sign: f64,
     ) {
         let halo = self.rings + 1;
-        let height = band.rows.len() + 2 * halo - 1;
-        let width = self.at.size - band.rows.start + 2 * halo;
-        // sums are taken beyond the end of a row, and thrown away
-        copied.values.resize(3 * height * width + ABREAST, [0.0; D]);
-        let sheets = Sheets {
-            own: self.sheet(band.face, band.side),
-            beyond: [0, 1, 2].map(|k| {
-                let (face, side) = self.at.base.beyond(band.face as u32, ((band.side + k) % 3) as u8)?;
-                Some(self.sheet(face as usize, usize::from(side)))
-            }),
+        let window = Window {
+            halo: halo as i32,
+            first: band.rows.start as i32 - halo as i32,
+            height: band.rows.len() + 2 * halo - 1,
+            width: self.at.size - band.rows.start + 2 * halo,
         };
-        let mut rows = copied.values.chunks_exact_mut(width);
+        // sums are taken beyond the end of a row, and thrown away
+        let count = 3 * window.height * window.width + ABREAST;
+        copied.values.clear();
+        copied.values.resize(count, [0.0; D]);
         for direction in 0..3 {
-            for (y, row) in (band.rows.start as i32 - halo as i32..).zip(rows.by_ref().take(height)) {
-                row.fill([0.0; D]);
-                self.copy_row(&sheets, [direction, y], band.rows.start > 0, details, row);
-            }
+            self.copy(band, direction, window, details, &mut copied.values[direction * window.height * window.width..]);
         }
         copied.offsets.clear();
         copied.offsets.extend(taps.iter().map(|tap| {
             let [row, column] = [tap.y, tap.x].map(|v| (v + halo as i32) as usize);
-            (((tap.direction * height + row) * width + column) * D, tap.share)
+            (((tap.direction * window.height + row) * window.width + column) * D, tap.share)
         }));
         let mut rest = &mut *band.cells;
         for row in 0..band.rows.len() {
             let own = cut_off(&mut rest, self.at.size - 1 - band.rows.start - row);
-            add_sums(own.as_flattened_mut(), copied.values[row * width + 1..].as_flattened(), &copied.offsets, sign);
+            let from = copied.values[row * window.width + 1..].as_flattened();
+            add_sums(own.as_flattened_mut(), from, &copied.offsets, sign);
         }
     }
 
-    /// The details of a direction along lattice row `y`, from x = −rings − 1 on, as far as they are regular. What lies beyond the ends of
-    /// a row is only within reach of inner cells.
-    fn copy_row<const D: usize>(
+    /// Copies the regular details of a direction: those of the band's triangle row by row, and line by line those on its sides and beyond.
+    fn copy<const D: usize>(
         &self,
-        sheets: &Sheets,
-        [direction, y]: [i32; 2],
-        is_inner: bool,
+        band: &Band<'_, D>,
+        direction: usize,
+        window: Window,
         details: &[[f64; D]],
-        row: &mut [[f64; D]],
+        values: &mut [[f64; D]],
     ) {
-        row.fill([0.0; D]);
-        let [size, rings] = [2 * self.at.size, self.rings].map(|v| v as i32);
-        let halo = rings + 1;
-        let (odd, j) = (i32::from(direction != 2), 2 * y + i32::from(direction != 0));
-        // in the row, i = 2 x + odd
-        let xs = |from: i32, to: i32| (from - odd + 1).div_euclid(2)..(to - odd).div_euclid(2) + 1;
-        let end = row.len() as i32 - halo;
-        let place = |sheet: &Sheet, i: i32, j: i32| {
-            let at = turned(size as usize, sheet.side as u8, [i as usize, j as usize]);
-            self.at.detail(sheet.face, at)
+        let Window { halo, first, height, width } = window;
+        let (size, rings) = (2 * self.at.size as i32, self.rings as i32);
+        let [odd_i, odd_j] = [i32::from(direction != 2), i32::from(direction != 0)];
+        let last = first + height as i32 - 1;
+        // where a place of the triangle's fine lattice is in the window
+        let index = |i: i32, j: i32| {
+            let [x, y] = [(i - odd_i) >> 1, (j - odd_j) >> 1];
+            ((y - first) * width as i32 + x + halo) as isize
         };
-        let mut copy = |x: i32, sheet: &Sheet, i: i32, j: i32| row[(x + halo) as usize] = details[place(sheet, i, j)];
-        let Sheets { own, beyond } = sheets;
-        if j < 0 {
-            let Some(sheet) = &beyond[0] else { return };
-            let (from, to) = sheet.inside(size, -j);
-            for x in xs(size - to, size - from) {
-                copy(x, sheet, size - (2 * x + odd), -j);
+        let own = self.sheet(band.face, band.side);
+        for y in first.max(0)..=last.min(self.at.size as i32 - 1) {
+            let j = 2 * y + odd_j;
+            if j > 0 {
+                let line = Line { j, parity: odd_i, from: 0, to: size };
+                own.copy(self.at, line, details, values, |i| index(i, j), 1);
             }
+        }
+        let beyond = |side: usize| {
+            let (face, side) = self.at.base.beyond(band.face as u32, ((band.side + side) % 3) as u8)?;
+            Some(self.sheet(face as usize, usize::from(side)))
+        };
+        // each triangle beyond is the own one turned by 180° about the middle of the side
+        if first <= 0
+            && let Some(sheet) = beyond(0)
+        {
+            for j in (first.max(-halo)..=0).map(|y| 2 * y + odd_j).filter(|j| *j <= 0) {
+                let line = Line { j: -j, parity: odd_i, from: 0, to: size };
+                sheet.copy(self.at, line, details, values, |i| index(size - i, j), -1);
+            }
+        }
+        if band.rows.start == 0 {
+            // what lies beyond the ends of an edge is not within reach of its cells, or not regular
             return;
         }
-        let (from, to) = own.inside(size, j);
-        let inner = xs(from, to);
-        if is_inner && j > 0 && !inner.is_empty() {
-            let from = place(own, 2 * inner.start + odd, j);
-            let count = inner.len();
-            row[(inner.start + halo) as usize..][..count].copy_from_slice(&details[from..from + count]);
-        } else {
-            for x in inner {
-                copy(x, own, 2 * x + odd, j);
+        let parity = odd_i ^ odd_j;
+        if let Some(sheet) = beyond(1) {
+            for over in (parity..2 * rings).step_by(2) {
+                let fits = 2 * (width as i32 - halo - 1) + odd_i - over;
+                let (from, to) = (size - 2 * last - odd_j, (size - 2 * first - odd_j).min(fits));
+                let line = Line { j: over, parity: odd_j, from, to };
+                sheet.copy(self.at, line, details, values, |i| index(i + over, size - i), 1 - width as isize);
             }
         }
-        if !is_inner || j == 0 || j >= size {
-            return;
-        }
-        let mut copy = |x: i32, sheet: Option<&Sheet>, i: i32, j: i32| {
-            if let Some(sheet) = sheet.filter(|sheet| sheet.holds(size, i, j)) {
-                row[(x + halo) as usize] = details[place(sheet, i, j)];
-            }
-        };
-        for x in xs(1 - 2 * rings, 0) {
-            match 2 * x + odd {
-                0 => copy(x, Some(own), 0, j),
-                i => copy(x, beyond[2].as_ref(), i + j, -i),
-            }
-        }
-        let right = xs(size - j, size - j + 2 * rings - 1);
-        for x in right.start..right.end.min(end) {
-            match 2 * x + odd + j - size {
-                0 => copy(x, Some(own), size - j, j),
-                over => copy(x, beyond[1].as_ref(), size - j, over),
+        if let Some(sheet) = beyond(2) {
+            for over in (odd_i..2 * rings).step_by(2) {
+                let line = Line { j: over, parity, from: 2 * first + odd_j - over, to: 2 * last + odd_j - over };
+                sheet.copy(self.at, line, details, values, |i| index(-over, i + over), width as isize);
             }
         }
     }
 }
 
-impl Sheet {
-    /// The first and last place along line `j`, sides aside, between which details are regular.
-    fn inside(&self, size: i32, j: i32) -> (i32, i32) {
-        if !self.across.contains(&j) {
-            return (1, 0);
-        }
-        let from = (*self.along.start()).max(1).max(size - j - self.rest.end());
-        let to = (*self.along.end()).min(size - j - 1).min(size - j - self.rest.start());
-        (from, to)
-    }
+/// Copied rows: from lattice row `first` on `height` of them, each `width` wide and beginning `halo` before the triangle.
+#[derive(Debug, Clone, Copy)]
+struct Window {
+    halo: i32,
+    first: i32,
+    height: usize,
+    width: usize,
+}
 
-    fn holds(&self, size: i32, i: i32, j: i32) -> bool {
-        self.along.contains(&i) && self.across.contains(&j) && self.rest.contains(&(size - i - j))
+/// Every other place of a line of a sheet, those with `i` of a parity, from one to another.
+struct Line {
+    j: i32,
+    parity: i32,
+    from: i32,
+    to: i32,
+}
+
+impl Sheet {
+    /// Copies the regular details of a line to where `place` says that the first one goes, and on in equal steps.
+    #[inline(always)]
+    fn copy<const D: usize>(
+        &self,
+        at: Cells<'_>,
+        line: Line,
+        details: &[[f64; D]],
+        to: &mut [[f64; D]],
+        place: impl Fn(i32) -> isize,
+        step: isize,
+    ) {
+        let Line { j, parity, .. } = line;
+        if !self.across.contains(&j) {
+            return;
+        }
+        let size = 2 * at.size as i32;
+        let from = line.from.max(1).max(*self.along.start()).max(size - j - self.rest.end());
+        let last = line.to.min(size - j - 1).min(*self.along.end()).min(size - j - self.rest.start());
+        let from = from + ((from ^ parity) & 1);
+        if from > last {
+            return;
+        }
+        let count = ((last - from) / 2 + 1) as usize;
+        let detail = |i: i32| at.detail(self.face, turned(size as usize, self.side as u8, [i as usize, j as usize]));
+        let (mut source, mut target) = (detail(from), place(from));
+        if self.side == 0 && j > 0 && step == 1 {
+            to[target as usize..][..count].copy_from_slice(&details[source..source + count]);
+            return;
+        }
+        let mut stride = if count > 1 { detail(from + 2) as isize - source as isize } else { 0 };
+        // rows get shorter one by one
+        let turn = if self.side == 0 || j == 0 { 0 } else { -1 };
+        for _ in 0..count {
+            to[target as usize] = details[source];
+            source = source.wrapping_add_signed(stride);
+            target += step;
+            stride += turn;
+        }
     }
 }

@@ -7,17 +7,18 @@ pub(super) const ABREAST: usize = 32;
 /// read beyond what is needed.
 #[inline(always)]
 fn add_sums_body(to: &mut [f64], from: &[f64], taps: &[(usize, f64)], sign: f64) {
-    let mut at = 0;
     let mut rest = to;
-    while rest.len() > ABREAST / 4 {
-        let count = rest.len().min(ABREAST);
-        let (now, after) = rest.split_at_mut(count);
-        add::<ABREAST>(now, &from[at..], taps, sign);
+    let mut at = 0;
+    while !rest.is_empty() {
+        let (now, after) = rest.split_at_mut(rest.len().min(ABREAST));
+        let from = &from[at..];
+        match now.len() {
+            0..=8 => add::<8>(now, from, taps, sign),
+            9..=16 => add::<16>(now, from, taps, sign),
+            _ => add::<ABREAST>(now, from, taps, sign),
+        }
+        at += now.len();
         rest = after;
-        at += count;
-    }
-    if !rest.is_empty() {
-        add::<{ ABREAST / 4 }>(rest, &from[at..], taps, sign);
     }
 }
 
