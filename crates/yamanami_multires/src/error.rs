@@ -101,7 +101,9 @@ pub enum MultiresError {
         at: [f64; 3],
     },
     /// The numbers of vertices and triangles of what is remeshed, and of the result, must fit in 30 bits.
-    #[error("the mesh is too large to be remeshed: {triangles} triangles, source or result, at most 2^30 can be numbered")]
+    #[error(
+        "the mesh is too large to be remeshed: {triangles} triangles, source or result, at most 2^30 can be numbered"
+    )]
     TooLargeToRemesh {
         /// Triangles given or asked for.
         triangles: usize,

@@ -190,8 +190,7 @@ impl<'a> Judge<'a> {
     /// The distance of each place, metres; infinite for a surface that has no triangle.
     pub(crate) fn distances_m(&self, places: &[DVec3]) -> Vec<f64> {
         let Some((frame, tree)) = &self.prepared else { return vec![f64::INFINITY; places.len()] };
-        let distance =
-            |&p: &DVec3| frame.length_in_metres(tree.nearest(frame.unit(p), Near::NOTHING).distance2.sqrt());
+        let distance = |&p: &DVec3| frame.length_in_metres(tree.nearest(frame.unit(p), Near::NOTHING).distance2.sqrt());
         places.par_iter().map(distance).collect()
     }
 }

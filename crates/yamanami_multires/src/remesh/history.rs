@@ -60,11 +60,8 @@ impl History {
             put(&mut first, &mut next, k as u32, place.triangle);
         }
         let mut moved: Vec<(u32, [f64; 2])> = Vec::new();
-        let mut end = Step {
-            points: self.points.len() as u32,
-            before: self.before.len() as u32,
-            after: self.after.len() as u32,
-        };
+        let mut end =
+            Step { points: self.points.len() as u32, before: self.before.len() as u32, after: self.after.len() as u32 };
         for &step in self.steps.iter().rev() {
             let points = &self.points[step.points as usize..end.points as usize];
             let before = &self.before[step.before as usize..end.before as usize];
@@ -106,9 +103,7 @@ fn locate(points: &[[f64; 2]], pieces: &[Piece], at: [f64; 2]) -> Place {
 }
 
 fn shares(p: [f64; 2], [a, b, c]: [[f64; 2]; 3]) -> [f64; 3] {
-    let area = |p: [f64; 2], q: [f64; 2], r: [f64; 2]| {
-        (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
-    };
+    let area = |p: [f64; 2], q: [f64; 2], r: [f64; 2]| (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
     let all = area(a, b, c);
     let (u, v) = (area(p, b, c) / all, area(a, p, c) / all);
     [u, v, 1.0 - u - v]

@@ -6,6 +6,7 @@
 //! Khodakovsky, Schröder, Sweldens, "Progressive Geometry Compression", 2000 (what it is good for).
 
 mod decimate;
+mod even;
 mod history;
 mod lattice;
 mod measure;
@@ -28,11 +29,20 @@ use yamanami_core::{SemiRegular, TriangleMesh};
 /// Faces of a base mesh, at least: for any, for each handle, for each part and line of border.
 const LEAST_BASE: [usize; 3] = [48, 24, 8];
 
-/// Faces up to which the parametrisation alone places vertices: enough to have an idea of the shape.
-const PARAMETRIC_FACES: usize = 16_000;
+/// Faces of the net that is evened out, at least, if there are so many: fine enough to feel thin parts.
+const FINE_FACES: usize = 60_000;
 
-/// Rounds of evening out, at that level and after each later one.
-const ROUNDS: usize = 60;
+/// Rounds of evening out at each of its levels, from coarse to fine.
+const EVEN_ROUNDS: usize = 8;
+
+/// Rounds of unfolding after each of these.
+const UNFOLD_ROUNDS: usize = 2;
+
+/// Rounds vertex by vertex after that.
+const RELAX_ROUNDS: usize = 20;
+
+/// Faces from which on vertices are displaced along normals: enough to have an idea of the shape.
+const PARAMETRIC_FACES: usize = 4000;
 
 /// Most levels.
 const MOST_LEVELS: u32 = 12;
@@ -146,18 +156,26 @@ pub fn remesh(mesh: &TriangleMesh, options: &RemeshOptions<'_>) -> Result<Remesh
     let topology = SemiRegular::new(base, levels).map_err(|_| too_large(base_faces << (2 * levels)))?;
     progress(0.6);
 
-    let parametric_level =
-        (0..levels).find(|&level| topology.triangle_count(level) as usize >= PARAMETRIC_FACES).unwrap_or(levels);
-    let places = lattice::places(&source, &decimated, &kept, &topology, parametric_level);
+    let fine_level = (0..levels).find(|&l| topology.triangle_count(l) as usize >= FINE_FACES).unwrap_or(levels);
+    let places = lattice::places(&source, &decimated, &kept, &topology, fine_level);
     drop(decimated);
-    let mut net = Net::new(&source, &topology, parametric_level, places);
-    relax::relax(&mut net, ROUNDS, |_| true);
-    progress(0.7);
+    let mut fine = Net::new(&source, &topology, fine_level, places);
+    for level in 0..=fine_level {
+        for _ in 0..EVEN_ROUNDS {
+            even::even(&mut fine, level);
+            relax::unfold(&mut fine, UNFOLD_ROUNDS);
+        }
+        progress(0.6 + 0.2 * (level + 1) as f32 / (fine_level + 1) as f32);
+    }
+    relax::relax(&mut fine, RELAX_ROUNDS, |_| true);
+    let parametric_level =
+        (0..fine_level).find(|&l| topology.triangle_count(l) as usize >= PARAMETRIC_FACES).unwrap_or(fine_level);
+    let mut net = fine.coarser(parametric_level);
     let mut normal = 0;
     for level in parametric_level..levels {
-        let is_normal = refine::refine(&mut net);
+        let is_normal = refine::refine(&mut net, &fine);
         normal += is_normal.iter().filter(|&&n| n).count();
-        progress(0.7 + 0.2 * (level + 1 - parametric_level) as f32 / (levels - parametric_level) as f32);
+        progress(0.8 + 0.15 * (level + 1 - parametric_level) as f32 / (levels - parametric_level) as f32);
     }
     let folded_faces = net.folded();
     let colours = if source.colours.is_empty() {
@@ -167,7 +185,8 @@ pub fn remesh(mesh: &TriangleMesh, options: &RemeshOptions<'_>) -> Result<Remesh
     };
     let positions: Vec<DVec3> = net.positions.iter().map(|&p| source.metres(p)).collect();
     let result = TriangleMesh::new(positions, topology.triangles(levels));
-    let (to_result, to_source) = (measure::samples(mesh, &Judge::new(&result)), measure::samples(&result, &Judge::new(mesh)));
+    let (to_result, to_source) =
+        (measure::samples(mesh, &Judge::new(&result)), measure::samples(&result, &Judge::new(mesh)));
     let report = RemeshReport {
         source_faces: faces,
         base_faces,

@@ -21,13 +21,7 @@ impl Rings {
     }
 
     /// The place expected between two neighbours of a level's mesh.
-    pub(super) fn predict(
-        &mut self,
-        topology: &SemiRegular,
-        level: u32,
-        ends: [u32; 2],
-        positions: &[DVec3],
-    ) -> DVec3 {
+    pub(super) fn predict(&mut self, topology: &SemiRegular, level: u32, ends: [u32; 2], positions: &[DVec3]) -> DVec3 {
         let Self { of, is_border } = self;
         *is_border = false;
         let is_closed = [0, 1].map(|k| topology.ring(level, ends[k], &mut of[k]));

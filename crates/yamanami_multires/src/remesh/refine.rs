@@ -16,8 +16,9 @@ const FARTHEST: f64 = 0.5;
 /// The least cosine between the line and the source's normal where it pierces.
 const LEAST_COSINE: f64 = 0.35;
 
-/// Adds a level. Gives for each new vertex whether it is displaced along its normal alone.
-pub(super) fn refine(net: &mut Net<'_>) -> Vec<bool> {
+/// Adds a level. `fine` is the net that the parametrisation made, of the same level or finer where there is one. Gives for each new vertex whether it is
+/// displaced along its normal alone.
+pub(super) fn refine(net: &mut Net<'_>, fine: &Net<'_>) -> Vec<bool> {
     let (topology, level) = (net.topology, net.level);
     let facets = vertex_normals(&net.positions, &topology.triangles(level));
     let below: &Net<'_> = net;
@@ -25,7 +26,7 @@ pub(super) fn refine(net: &mut Net<'_>) -> Vec<bool> {
         .new_vertices(level + 1)
         .into_par_iter()
         .map_init(Rings::default, |rings, v| match topology.parents(v) {
-            Some(ends) => place(below, rings, ends, &facets),
+            Some(ends) => place(below, fine, rings, v, ends, &facets),
             None => (below.places[v as usize], false),
         })
         .collect();
@@ -38,26 +39,39 @@ pub(super) fn refine(net: &mut Net<'_>) -> Vec<bool> {
     new.into_iter().map(|(_, is_normal)| is_normal).collect()
 }
 
-fn place(net: &Net<'_>, rings: &mut Rings, ends: [u32; 2], facets: &[DVec3]) -> (Place, bool) {
+fn place(
+    net: &Net<'_>,
+    fine: &Net<'_>,
+    rings: &mut Rings,
+    vertex: u32,
+    ends: [u32; 2],
+    facets: &[DVec3],
+) -> (Place, bool) {
     let source = net.source;
     let predicted = rings.predict(net.topology, net.level, ends, &net.positions);
-    let [a, b] = ends.map(|v| net.places[v as usize]);
-    if rings.is_border() {
-        let found = [a, b].map(|from| walk::descend_border(source, from, predicted));
-        let nearest = found.into_iter().flatten().min_by(|p, q| p.distance2.total_cmp(&q.distance2));
-        return (nearest.map_or(a, |f| f.place), false);
-    }
-    let [from_a, from_b] = [a, b].map(|from| walk::descend(source, from, predicted));
-    let near = if from_a.distance2 <= from_b.distance2 { from_a } else { from_b };
-    let normal = ends.iter().map(|&v| facets[v as usize]).sum::<DVec3>().normalize_or_zero();
     let [p, q] = ends.map(|v| net.positions[v as usize]);
+    // where the parametrisation would have it, seen from where its parents have come to lie
+    let (from, expected) = match fine.places.get(vertex as usize) {
+        Some(&place) => {
+            let [a, b] = ends.map(|v| net.positions[v as usize] - fine.positions[v as usize]);
+            (place, fine.positions[vertex as usize] + (a + b) * 0.5)
+        }
+        None => (net.places[ends[0] as usize], (p + q) * 0.5),
+    };
+    if rings.is_border() {
+        let found = walk::descend_border(source, from, predicted);
+        return (found.map_or(from, |f| f.place), false);
+    }
+    let expected = walk::descend(source, from, expected);
+    let near = walk::descend(source, expected.place, predicted);
+    let normal = ends.iter().map(|&v| facets[v as usize]).sum::<DVec3>().normalize_or_zero();
     let farthest2 = FARTHEST * FARTHEST * p.distance_squared(q);
     let pierced = walk::pierce(source, near.place.triangle, predicted, normal).filter(|found| {
-        found.position.distance_squared(near.position) <= farthest2
+        found.position.distance_squared(expected.position) <= farthest2
             && source.normal(found.place).dot(normal) >= LEAST_COSINE
     });
     match pierced {
         Some(found) => (found.place, true),
-        None => (near.place, false),
+        None => (expected.place, false),
     }
 }
