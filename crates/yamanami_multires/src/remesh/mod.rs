@@ -32,15 +32,6 @@ const LEAST_BASE: [usize; 3] = [48, 24, 8];
 /// Faces of the net that is evened out, at least, if there are so many: fine enough to feel thin parts.
 const FINE_FACES: usize = 60_000;
 
-/// Rounds of evening out at each of its levels, from coarse to fine.
-const EVEN_ROUNDS: usize = 8;
-
-/// Rounds of unfolding after each of these.
-const UNFOLD_ROUNDS: usize = 2;
-
-/// Rounds vertex by vertex after that.
-const RELAX_ROUNDS: usize = 20;
-
 /// Faces from which on vertices are displaced along normals: enough to have an idea of the shape.
 const PARAMETRIC_FACES: usize = 4000;
 
@@ -143,10 +134,10 @@ pub fn remesh(mesh: &TriangleMesh, options: &RemeshOptions<'_>) -> Result<Remesh
     let faces = source.triangles().len();
     let source_kind = SurfaceKind::of(&source.surface);
     let target = base_faces(options, faces, source_kind);
-    let decimating = |left: usize| progress(0.6 * (faces - left) as f32 / (faces - target.min(faces)).max(1) as f32);
+    let decimating = |left: usize| progress(0.5 * (faces - left) as f32 / (faces - target.min(faces)).max(1) as f32);
     let decimated = decimate::decimate(&source, target, &decimating);
     let too_large = |faces: usize| MultiresError::TooLargeToRemesh { triangles: faces };
-    let (kept, base) = lattice::base_mesh(&decimated, source.positions.len()).map_err(|_| too_large(faces))?;
+    let base = lattice::base_mesh(&source, &decimated).map_err(|_| too_large(faces))?;
     let result_kind = SurfaceKind::of(&base);
     let base_faces = base.triangles().len();
     let levels = options.levels.unwrap_or_else(|| levels_for(base_faces, faces));
@@ -154,20 +145,12 @@ pub fn remesh(mesh: &TriangleMesh, options: &RemeshOptions<'_>) -> Result<Remesh
         return Err(too_large(base_faces.saturating_mul(1 << (2 * levels.min(20)))));
     }
     let topology = SemiRegular::new(base, levels).map_err(|_| too_large(base_faces << (2 * levels)))?;
-    progress(0.6);
+    progress(0.5);
 
     let fine_level = (0..levels).find(|&l| topology.triangle_count(l) as usize >= FINE_FACES).unwrap_or(levels);
-    let places = lattice::places(&source, &decimated, &kept, &topology, fine_level);
-    drop(decimated);
-    let mut fine = Net::new(&source, &topology, fine_level, places);
-    for level in 0..=fine_level {
-        for _ in 0..EVEN_ROUNDS {
-            even::even(&mut fine, level);
-            relax::unfold(&mut fine, UNFOLD_ROUNDS);
-        }
-        progress(0.6 + 0.2 * (level + 1) as f32 / (fine_level + 1) as f32);
-    }
-    relax::relax(&mut fine, RELAX_ROUNDS, |_| true);
+    let laying = |share: f32| progress(0.5 + 0.3 * share);
+    let places = lattice::places(&source, decimated, &topology, fine_level, &laying).map_err(|_| too_large(faces))?;
+    let fine = Net::new(&source, &topology, fine_level, places);
     let parametric_level =
         (0..fine_level).find(|&l| topology.triangle_count(l) as usize >= PARAMETRIC_FACES).unwrap_or(fine_level);
     let mut net = fine.coarser(parametric_level);

@@ -50,6 +50,14 @@ impl<'a> Net<'a> {
         self.places = places;
     }
 
+    /// Adds the vertices of the next level.
+    pub(super) fn add_level(&mut self, places: &[Place]) {
+        self.level += 1;
+        self.places.extend_from_slice(places);
+        self.positions.extend(places.iter().map(|&p| self.source.position(p)));
+        self.normals.extend(places.iter().map(|&p| self.source.normal(p)));
+    }
+
     /// The mesh of a coarser level.
     pub(super) fn coarser(&self, level: u32) -> Self {
         let count = self.topology.vertex_count(level) as usize;

@@ -9,6 +9,7 @@ use super::source::{Place, vertex_normals};
 use super::walk;
 use glam::DVec3;
 use rayon::prelude::*;
+use yamanami_core::{Place as LatticePlace, SemiRegular};
 
 /// How far the piercing point may be from the point nearest to the prediction, in lengths of the edge that is split.
 const FARTHEST: f64 = 0.5;
@@ -30,13 +31,34 @@ pub(super) fn refine(net: &mut Net<'_>, fine: &Net<'_>) -> Vec<bool> {
             None => (below.places[v as usize], false),
         })
         .collect();
-    net.level += 1;
-    for &(place, _) in &new {
-        net.places.push(place);
-        net.positions.push(net.source.position(place));
-        net.normals.push(net.source.normal(place));
-    }
-    new.into_iter().map(|(_, is_normal)| is_normal).collect()
+    let (places, is_normal): (Vec<Place>, Vec<bool>) = new.into_iter().unzip();
+    net.add_level(&places);
+    is_normal
+}
+
+/// Adds a level whose vertices lie half way between their neighbours, going over the surface.
+pub(super) fn halve(net: &mut Net<'_>) {
+    let (topology, source) = (net.topology, net.source);
+    let half_way = |v: u32| {
+        let ends = topology.parents(v).unwrap_or([v, v]);
+        let at = ends.map(|e| net.positions[e as usize]);
+        let from = ends.map(|e| net.places[e as usize]);
+        if is_on_border(topology, v) {
+            let found = from.map(|from| walk::descend_border(source, from, (at[0] + at[1]) * 0.5));
+            let nearest = found.into_iter().flatten().min_by(|p, q| p.distance2.total_cmp(&q.distance2));
+            return nearest.map_or(from[0], |found| found.place);
+        }
+        let gone = [0, 1].map(|k| {
+            let (chord, normal) = (at[1 - k] - at[k], net.normals[ends[k] as usize]);
+            let along = (chord - normal * normal.dot(chord)).normalize_or_zero();
+            walk::trace(source, from[k], along * (0.5 * chord.length()))
+        });
+        let middle = (source.position(gone[0]) + source.position(gone[1])) * 0.5;
+        let [p, q] = gone.map(|from| walk::descend(source, from, middle));
+        if p.distance2 <= q.distance2 { p.place } else { q.place }
+    };
+    let places: Vec<Place> = topology.new_vertices(net.level + 1).into_par_iter().map(half_way).collect();
+    net.add_level(&places);
 }
 
 fn place(
@@ -58,7 +80,7 @@ fn place(
         }
         None => (net.places[ends[0] as usize], (p + q) * 0.5),
     };
-    if rings.is_border() {
+    if is_on_border(net.topology, vertex) {
         let found = walk::descend_border(source, from, predicted);
         return (found.map_or(from, |f| f.place), false);
     }
@@ -73,5 +95,13 @@ fn place(
     match pierced {
         Some(found) => (found.place, true),
         None => (expected.place, false),
+    }
+}
+
+/// Whether a vertex that comes with a level lies on the border.
+fn is_on_border(topology: &SemiRegular, vertex: u32) -> bool {
+    match topology.place(vertex) {
+        LatticePlace::Edge { edge, .. } => topology.base().edges()[edge as usize].right.is_none(),
+        _ => false,
     }
 }
