@@ -27,13 +27,13 @@ const LEAST_FLAT_QUALITY: f64 = 0.02;
 const GOOD_NEIGHBOURS: usize = 7;
 
 /// A corner of a triangle that has gone.
-const GONE: u32 = u32::MAX;
+pub(super) const GONE: u32 = u32::MAX;
 
 /// What is left, and how it came to be.
 #[derive(Debug)]
 pub(super) struct Decimated {
     /// Corners, as source vertices; triangles that have gone have none.
-    triangles: Vec<[u32; 3]>,
+    pub(super) triangles: Vec<[u32; 3]>,
     /// The way back.
     pub(super) history: History,
 }
@@ -162,16 +162,14 @@ impl Decimator<'_> {
         let onto = star.ring[k];
         let [from, to] = [vertex, onto].map(|v| self.positions[v as usize]);
         let quadric = self.quadrics[vertex as usize] + self.quadrics[onto as usize];
-        let mut star_area = 0.0;
         let mut turn = DVec3::ZERO;
         for t in 0..star.corners.len() {
             let [b, c] = [t, star.after(t)].map(|k| self.positions[star.ring[k] as usize]);
-            let twice_area = (b - from).cross(c - from);
-            star_area += 0.5 * twice_area.length();
-            turn += twice_area;
+            turn += (b - from).cross(c - from);
         }
+        let reach = star.ring.iter().map(|&n| self.positions[n as usize].distance_squared(from)).sum::<f64>();
         let bend = quadric.at(to);
-        let even = (self.areas[vertex as usize] + self.areas[onto as usize]) * star_area;
+        let even = (self.areas[vertex as usize] + self.areas[onto as usize]) * 2.6 * reach / star.ring.len() as f64;
         let plain = bend + AREA_WEIGHT * even;
         if plain >= limit {
             return None;
@@ -251,7 +249,7 @@ impl Decimator<'_> {
         if !star.flatten(vertex, self.positions) {
             return 0;
         }
-        self.remember(star, k);
+        self.remember(vertex, star, k);
         let mut merged: Vec<Corner> = Vec::with_capacity(MOST_NEIGHBOURS);
         let staying: Vec<usize> = star.staying(k).collect();
         for (t, &corner) in star.corners.iter().enumerate() {
@@ -285,10 +283,12 @@ impl Decimator<'_> {
     }
 
     /// Writes a move down: the vertex is the last point of its plane.
-    fn remember(&mut self, star: &Star, k: usize) {
+    fn remember(&mut self, vertex: u32, star: &Star, k: usize) {
         let centre = star.flat.len() as u8;
         let mut points = star.flat.clone();
         points.push([0.0, 0.0]);
+        let mut vertices = star.ring.clone();
+        vertices.push(vertex);
         let piece = |t: usize, pivot: u8| {
             let corner = star.corners[t];
             let mut corners = [0; 3];
@@ -300,7 +300,7 @@ impl Decimator<'_> {
         };
         let before: Vec<Piece> = (0..star.corners.len()).map(|t| piece(t, centre)).collect();
         let after: Vec<Piece> = star.staying(k).map(|t| piece(t, k as u8)).collect();
-        self.history.push(&points, &before, &after);
+        self.history.push(&vertices, &points, &before, &after);
     }
 }
 

@@ -6,6 +6,7 @@
 //! are sent the other way, one step at a time, so that the map is one to one).
 
 use super::source::Place;
+use std::ops::Range;
 
 const NONE: u32 = u32::MAX;
 
@@ -29,6 +30,8 @@ struct Step {
 #[derive(Debug, Default)]
 pub(super) struct History {
     points: Vec<[f64; 2]>,
+    /// The vertex that each point is.
+    vertices: Vec<u32>,
     before: Vec<Piece>,
     after: Vec<Piece>,
     /// Where each step begins.
@@ -36,20 +39,55 @@ pub(super) struct History {
 }
 
 impl History {
-    /// Adds a step: triangles before and after it over the same points of a plane.
-    pub(super) fn push(&mut self, points: &[[f64; 2]], before: &[Piece], after: &[Piece]) {
-        self.steps.push(Step {
-            points: self.points.len() as u32,
-            before: self.before.len() as u32,
-            after: self.after.len() as u32,
-        });
+    /// Adds a step: triangles before and after it over the same vertices at points of a plane.
+    pub(super) fn push(&mut self, vertices: &[u32], points: &[[f64; 2]], before: &[Piece], after: &[Piece]) {
+        self.steps.push(self.end());
         self.points.extend_from_slice(points);
+        self.vertices.extend_from_slice(vertices);
         self.before.extend_from_slice(before);
         self.after.extend_from_slice(after);
     }
 
-    /// Carries places in triangles that were left at the end to those of the beginning.
-    pub(super) fn carry_back(&self, triangles: usize, places: &mut [Place]) {
+    /// Where the next step would begin.
+    fn end(&self) -> Step {
+        let [points, before, after] = [self.points.len(), self.before.len(), self.after.len()].map(|n| n as u32);
+        Step { points, before, after }
+    }
+
+    fn step(&self, number: usize) -> Step {
+        self.steps.get(number).copied().unwrap_or_else(|| self.end())
+    }
+
+    /// How many steps there are.
+    pub(super) fn len(&self) -> usize {
+        self.steps.len()
+    }
+
+    /// The step before which there were `faces` triangles or hardly more, if `left` are left after step `end`.
+    pub(super) fn before(&self, end: usize, mut left: usize, faces: usize) -> usize {
+        for number in (0..end).rev() {
+            let (step, next) = (self.step(number), self.step(number + 1));
+            left += (next.before - step.before) as usize - (next.after - step.after) as usize;
+            if left >= faces {
+                return number;
+            }
+        }
+        0
+    }
+
+    /// Undoes steps on the triangles.
+    pub(super) fn undo(&self, steps: Range<usize>, triangles: &mut [[u32; 3]]) {
+        for number in steps.rev() {
+            let (step, next) = (self.step(number), self.step(number + 1));
+            let vertices = &self.vertices[step.points as usize..];
+            for piece in &self.before[step.before as usize..next.before as usize] {
+                triangles[piece.triangle as usize] = piece.corners.map(|k| vertices[usize::from(k)]);
+            }
+        }
+    }
+
+    /// Carries places in triangles after some steps to those before them.
+    pub(super) fn carry_back(&self, steps: Range<usize>, triangles: usize, places: &mut [Place]) {
         // the places in each triangle, as a list linked through them
         let mut first = vec![NONE; triangles];
         let mut next = vec![NONE; places.len()];
@@ -60,9 +98,8 @@ impl History {
             put(&mut first, &mut next, k as u32, place.triangle);
         }
         let mut moved: Vec<(u32, [f64; 2])> = Vec::new();
-        let mut end =
-            Step { points: self.points.len() as u32, before: self.before.len() as u32, after: self.after.len() as u32 };
-        for &step in self.steps.iter().rev() {
+        for number in steps.rev() {
+            let (step, end) = (self.step(number), self.step(number + 1));
             let points = &self.points[step.points as usize..end.points as usize];
             let before = &self.before[step.before as usize..end.before as usize];
             for piece in &self.after[step.after as usize..end.after as usize] {
@@ -79,7 +116,6 @@ impl History {
                 places[at as usize] = place;
                 put(&mut first, &mut next, at, place.triangle);
             }
-            end = step;
         }
     }
 }

@@ -6,6 +6,7 @@
 //! Khodakovsky, Schröder, Sweldens, "Progressive Geometry Compression", 2000 (what it is good for).
 
 mod decimate;
+mod even;
 mod history;
 mod lattice;
 mod measure;
@@ -28,11 +29,11 @@ use yamanami_core::{SemiRegular, TriangleMesh};
 /// Faces of a base mesh, at least: for any, for each handle, for each part and line of border.
 const LEAST_BASE: [usize; 3] = [48, 24, 8];
 
-/// Faces up to which the parametrisation alone places vertices: enough to have an idea of the shape.
-const PARAMETRIC_FACES: usize = 16_000;
+/// Faces of the net that is evened out, at least, if there are so many: fine enough to feel thin parts.
+const FINE_FACES: usize = 60_000;
 
-/// Rounds of evening out, at that level and after each later one.
-const ROUNDS: usize = 60;
+/// Faces from which on vertices are displaced along normals: enough to have an idea of the shape.
+const PARAMETRIC_FACES: usize = 4000;
 
 /// Most levels.
 const MOST_LEVELS: u32 = 12;
@@ -133,10 +134,10 @@ pub fn remesh(mesh: &TriangleMesh, options: &RemeshOptions<'_>) -> Result<Remesh
     let faces = source.triangles().len();
     let source_kind = SurfaceKind::of(&source.surface);
     let target = base_faces(options, faces, source_kind);
-    let decimating = |left: usize| progress(0.6 * (faces - left) as f32 / (faces - target.min(faces)).max(1) as f32);
+    let decimating = |left: usize| progress(0.5 * (faces - left) as f32 / (faces - target.min(faces)).max(1) as f32);
     let decimated = decimate::decimate(&source, target, &decimating);
     let too_large = |faces: usize| MultiresError::TooLargeToRemesh { triangles: faces };
-    let (kept, base) = lattice::base_mesh(&decimated, source.positions.len()).map_err(|_| too_large(faces))?;
+    let base = lattice::base_mesh(&source, &decimated).map_err(|_| too_large(faces))?;
     let result_kind = SurfaceKind::of(&base);
     let base_faces = base.triangles().len();
     let levels = options.levels.unwrap_or_else(|| levels_for(base_faces, faces));
@@ -144,20 +145,20 @@ pub fn remesh(mesh: &TriangleMesh, options: &RemeshOptions<'_>) -> Result<Remesh
         return Err(too_large(base_faces.saturating_mul(1 << (2 * levels.min(20)))));
     }
     let topology = SemiRegular::new(base, levels).map_err(|_| too_large(base_faces << (2 * levels)))?;
-    progress(0.6);
+    progress(0.5);
 
+    let fine_level = (0..levels).find(|&l| topology.triangle_count(l) as usize >= FINE_FACES).unwrap_or(levels);
+    let laying = |share: f32| progress(0.5 + 0.3 * share);
+    let places = lattice::places(&source, decimated, &topology, fine_level, &laying).map_err(|_| too_large(faces))?;
+    let fine = Net::new(&source, &topology, fine_level, places);
     let parametric_level =
-        (0..levels).find(|&level| topology.triangle_count(level) as usize >= PARAMETRIC_FACES).unwrap_or(levels);
-    let places = lattice::places(&source, &decimated, &kept, &topology, parametric_level);
-    drop(decimated);
-    let mut net = Net::new(&source, &topology, parametric_level, places);
-    relax::relax(&mut net, ROUNDS, |_| true);
-    progress(0.7);
+        (0..fine_level).find(|&l| topology.triangle_count(l) as usize >= PARAMETRIC_FACES).unwrap_or(fine_level);
+    let mut net = fine.coarser(parametric_level);
     let mut normal = 0;
     for level in parametric_level..levels {
-        let is_normal = refine::refine(&mut net);
+        let is_normal = refine::refine(&mut net, &fine);
         normal += is_normal.iter().filter(|&&n| n).count();
-        progress(0.7 + 0.2 * (level + 1 - parametric_level) as f32 / (levels - parametric_level) as f32);
+        progress(0.8 + 0.15 * (level + 1 - parametric_level) as f32 / (levels - parametric_level) as f32);
     }
     let folded_faces = net.folded();
     let colours = if source.colours.is_empty() {

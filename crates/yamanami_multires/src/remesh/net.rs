@@ -3,6 +3,7 @@
 use super::source::{Place, Source};
 use super::walk;
 use glam::DVec3;
+use rayon::prelude::*;
 use yamanami_core::SemiRegular;
 
 /// Vertices on the source.
@@ -29,9 +30,9 @@ impl<'a> Net<'a> {
                 places[v as usize] = on_border.map_or(at, |f| f.place);
             }
         }
-        let positions = places.iter().map(|&p| source.position(p)).collect();
-        let normals = places.iter().map(|&p| source.normal(p)).collect();
-        Self { source, topology, level, places, positions, normals }
+        let mut net = Self { source, topology, level, places: Vec::new(), positions: Vec::new(), normals: Vec::new() };
+        net.put_all(places);
+        net
     }
 
     /// Moves a vertex.
@@ -40,6 +41,33 @@ impl<'a> Net<'a> {
         self.places[v] = place;
         self.positions[v] = self.source.position(place);
         self.normals[v] = self.source.normal(place);
+    }
+
+    /// Moves all vertices.
+    pub(super) fn put_all(&mut self, places: Vec<Place>) {
+        self.positions = places.par_iter().map(|&p| self.source.position(p)).collect();
+        self.normals = places.par_iter().map(|&p| self.source.normal(p)).collect();
+        self.places = places;
+    }
+
+    /// Adds the vertices of the next level.
+    pub(super) fn add_level(&mut self, places: &[Place]) {
+        self.level += 1;
+        self.places.extend_from_slice(places);
+        self.positions.extend(places.iter().map(|&p| self.source.position(p)));
+        self.normals.extend(places.iter().map(|&p| self.source.normal(p)));
+    }
+
+    /// The mesh of a coarser level.
+    pub(super) fn coarser(&self, level: u32) -> Self {
+        let count = self.topology.vertex_count(level) as usize;
+        Self {
+            level,
+            places: self.places[..count].to_vec(),
+            positions: self.positions[..count].to_vec(),
+            normals: self.normals[..count].to_vec(),
+            ..*self
+        }
     }
 
     /// The least cosine between a triangle's normal and the source's at its corners, were the first corner at `at`: near 0 where the

@@ -11,19 +11,12 @@ use yamanami_core::SemiRegular;
 #[derive(Debug, Default)]
 pub(super) struct Rings {
     of: [Vec<u32>; 2],
-    is_border: bool,
 }
 
 impl Rings {
-    /// Whether the last edge was one of the border.
-    pub(super) fn is_border(&self) -> bool {
-        self.is_border
-    }
-
     /// The place expected between two neighbours of a level's mesh.
     pub(super) fn predict(&mut self, topology: &SemiRegular, level: u32, ends: [u32; 2], positions: &[DVec3]) -> DVec3 {
-        let Self { of, is_border } = self;
-        *is_border = false;
+        let of = &mut self.of;
         let is_closed = [0, 1].map(|k| topology.ring(level, ends[k], &mut of[k]));
         let [ring_a, ring_b] = &*of;
         let [a, b] = ends.map(|v| positions[v as usize]);
@@ -32,7 +25,6 @@ impl Rings {
         let place_in = |ring: &[u32], other: u32| ring.iter().position(|&n| n == other);
         let [Some(i), Some(j)] = [place_in(ring_a, ends[1]), place_in(ring_b, ends[0])] else { return middle };
         let is_side = |ring: &[u32], k: usize| k == 0 || k + 1 == ring.len();
-        *is_border = is_closed == [false; 2] && is_side(ring_a, i) && is_side(ring_b, j);
         match is_closed {
             [true, true] if ring_a.len() == 6 && ring_b.len() == 6 => {
                 let around = |k: usize| at(ring_a[(i + k) % 6]);
@@ -50,7 +42,7 @@ impl Rings {
             }
             [true, false] => extraordinary(a, ring_a, i, positions),
             [false, true] => extraordinary(b, ring_b, j, positions),
-            [false, false] if *is_border => {
+            [false, false] if is_side(ring_a, i) && is_side(ring_b, j) => {
                 let other = |ring: &[u32], k: usize| at(if k == 0 { ring[ring.len() - 1] } else { ring[0] });
                 middle * 1.125 - (other(ring_a, i) + other(ring_b, j)) * 0.0625
             }

@@ -1,7 +1,4 @@
-//! Evens a net out: each vertex goes along the source towards the middle of its neighbours.
-//!
-//! Idea: Guskov, Vidimče, Sweldens, Schröder, "Normal Meshes", 2000 (the parametrisation is smoothed before details are taken);
-//! Alliez, Colin de Verdière, Devillers, Isenburg, "Isotropic surface remeshing", 2003 (centroids weighted by area).
+//! Evens a net out vertex by vertex, each going along the source towards the middle of its neighbours unless that folds. Our own.
 
 use super::net::Net;
 use super::walk;
@@ -35,32 +32,28 @@ pub(super) fn relax(net: &mut Net<'_>, rounds: usize, is_chosen: impl Fn(u32) ->
 
 fn relax_inside(net: &mut Net<'_>, v: u32, ring: &[u32]) {
     let (at, normal) = (net.positions[v as usize], net.normals[v as usize]);
-    let towards = middle(net, at, ring) - at;
-    let along = towards - normal * normal.dot(towards);
+    let way = way(net, at, normal, ring);
     let before = net.least_facing([at, normal], ring, true);
     for step in STEPS {
-        let found = walk::descend(net.source, net.places[v as usize], at + along * step);
-        let there = [found.position, net.source.normal(found.place)];
-        let after = net.least_facing(there, ring, true);
+        let place = walk::trace(net.source, net.places[v as usize], way * step);
+        let after = net.least_facing([net.source.position(place), net.source.normal(place)], ring, true);
         if after >= GOOD_FACING || after >= before {
-            net.put(v, found.place);
+            net.put(v, place);
             return;
         }
     }
 }
 
-/// The middle of the triangles around, weighted by area, half and half with that of the neighbours.
-fn middle(net: &Net<'_>, at: DVec3, ring: &[u32]) -> DVec3 {
-    let (mut sum, mut area, mut plain) = (DVec3::ZERO, 0.0, DVec3::ZERO);
-    for k in 0..ring.len() {
-        let [b, c] = [ring[k], ring[(k + 1) % ring.len()]].map(|n| net.positions[n as usize]);
-        let weight = (b - at).cross(c - at).length();
-        sum += (at + b + c) * (weight / 3.0);
-        area += weight;
-        plain += b;
+/// The way to the middle of the neighbours, along the surface; farther ones pull more.
+fn way(net: &Net<'_>, at: DVec3, normal: DVec3, ring: &[u32]) -> DVec3 {
+    let (mut sum, mut weights) = (DVec3::ZERO, 0.0);
+    for &n in ring {
+        let chord = net.positions[n as usize] - at;
+        let length = chord.length();
+        sum += (chord - normal * normal.dot(chord)).normalize_or_zero() * (length * length);
+        weights += length;
     }
-    let plain = plain / ring.len() as f64;
-    if area > 0.0 { (sum / area + plain) * 0.5 } else { plain }
+    if weights > 0.0 { sum / weights } else { DVec3::ZERO }
 }
 
 fn relax_border(net: &mut Net<'_>, v: u32, ring: &[u32]) {
@@ -71,5 +64,26 @@ fn relax_border(net: &mut Net<'_>, v: u32, ring: &[u32]) {
     let after = net.least_facing([found.position, net.source.normal(found.place)], ring, false);
     if after >= GOOD_FACING || after >= before {
         net.put(v, found.place);
+    }
+}
+
+/// Moves the corners of folded triangles so many times, and those of what then still is folded again.
+pub(super) fn unfold(net: &mut Net<'_>, rounds: usize) {
+    let count = net.topology.vertex_count(net.level) as usize;
+    let triangles = net.topology.triangles(net.level);
+    for _ in 0..rounds {
+        let mut is_bad = vec![false; count];
+        let mut any = false;
+        for t in &triangles {
+            let at = [net.positions[t[0] as usize], net.normals[t[0] as usize]];
+            if net.facing(at, [t[1], t[2]]) < 0.1 {
+                any = true;
+                t.iter().for_each(|&v| is_bad[v as usize] = true);
+            }
+        }
+        if !any {
+            break;
+        }
+        relax(net, 2, |v| is_bad[v as usize]);
     }
 }

@@ -97,16 +97,41 @@ impl Source {
             _ => MultiresError::TooLargeToRemesh { triangles: triangles.len() },
         };
         let surface = BaseMesh::new(positions.len() as u32, triangles.clone()).map_err(fault)?;
-        let across = (0..triangles.len() as u32)
-            .map(|t| [0, 1, 2].map(|side| surface.beyond(t, side).map_or(NONE, |(o, k)| o << 2 | u32::from(k))))
-            .collect();
-        let normals = vertex_normals(&positions, &triangles);
         let colours = if mesh.colours.is_empty() {
             Vec::new()
         } else {
             kept.iter().map(|&v| mesh.colours.get(v as usize).copied().unwrap_or([0, 0, 0, 255])).collect()
         };
-        Ok(Self { positions, centre, diagonal_m, surface, across, normals, colours })
+        Ok(Self { centre, diagonal_m, colours, ..Self::of(positions, surface) })
+    }
+
+    /// A surface with its neighbours and normals.
+    fn of(positions: Vec<DVec3>, surface: BaseMesh) -> Self {
+        let across = (0..surface.triangles().len() as u32)
+            .map(|t| [0, 1, 2].map(|side| surface.beyond(t, side).map_or(NONE, |(o, k)| o << 2 | u32::from(k))))
+            .collect();
+        let normals = vertex_normals(&positions, surface.triangles());
+        Self { positions, centre: DVec3::ZERO, diagonal_m: 1.0, surface, across, normals, colours: Vec::new() }
+    }
+
+    /// A coarser surface on some of the vertices, and the number here of each of its triangles. Triangles whose first corner is
+    /// [`NONE`] are left out.
+    pub(super) fn coarser(&self, triangles: &[[u32; 3]]) -> Result<(Self, Vec<u32>), BaseFault> {
+        let mut number = vec![NONE; self.positions.len()];
+        let (mut positions, mut numbers, mut corners) = (Vec::new(), Vec::new(), Vec::new());
+        for (t, triangle) in triangles.iter().enumerate().filter(|(_, t)| t[0] != NONE) {
+            numbers.push(t as u32);
+            corners.push(triangle.map(|v| {
+                let number = &mut number[v as usize];
+                if *number == NONE {
+                    *number = positions.len() as u32;
+                    positions.push(self.positions[v as usize]);
+                }
+                *number
+            }));
+        }
+        let surface = BaseMesh::new(positions.len() as u32, corners)?;
+        Ok((Self::of(positions, surface), numbers))
     }
 
     /// Length of the diagonal of the box around it, metres.

@@ -1,5 +1,5 @@
-//! Walks over the source: to the point nearest to a target, along the border, and to where a line pierces the surface. Each goes
-//! from triangle to neighbour, so it stays on the sheet on which it begins.
+//! Walks over the source: to the point nearest to a target, along the border, straight on, and to where a line pierces the surface.
+//! Each goes from triangle to neighbour, so it stays on the sheet on which it begins.
 
 use super::source::{Place, Source};
 use glam::DVec3;
@@ -9,6 +9,9 @@ const MOST_STEPS: usize = 1 << 14;
 
 /// Triangles that a line is looked for in: without this a walk could go round in circles.
 const MOST_PIERCED: usize = 256;
+
+/// Triangles that a straight way goes over, at most.
+const MOST_TRACED: usize = 4096;
 
 /// Where a walk ended.
 #[derive(Debug, Clone, Copy)]
@@ -181,4 +184,61 @@ pub(super) fn pierce(source: &Source, from: u32, p: DVec3, normal: DVec3) -> Opt
         triangle = source.across(triangle, side)?.0;
     }
     None
+}
+
+/// Goes straight on over the surface, as far as `way` is long and in its direction; a border ends it just before.
+pub(super) fn trace(source: &Source, from: Place, way: DVec3) -> Place {
+    let Place { mut triangle, mut shares } = from;
+    let mut left = way.length();
+    let mut direction = way;
+    let mut entered = usize::MAX;
+    for _ in 0..MOST_TRACED {
+        let corners = source.corners(triangle);
+        let (e, f) = (corners[1] - corners[0], corners[2] - corners[0]);
+        let twice_area = e.cross(f);
+        let normal = twice_area.normalize_or_zero();
+        direction = (direction - normal * normal.dot(direction)).normalize_or_zero();
+        let square = twice_area.length_squared();
+        if !(left > 0.0 && square > 0.0) {
+            break;
+        }
+        let step = direction * left;
+        let (v, w) = (step.cross(f).dot(twice_area) / square, e.cross(step).dot(twice_area) / square);
+        let rates = [-v - w, v, w];
+        // the corner whose share is used up first
+        let mut exit = (1.0, None);
+        for k in (0..3).filter(|&k| rates[k] < 0.0 && k != entered) {
+            let until = shares[k] / -rates[k];
+            if until < exit.0 {
+                exit = (until, Some(k));
+            }
+        }
+        let Some(corner) = exit.1 else {
+            shares = sound(std::array::from_fn(|k| shares[k] + rates[k]));
+            break;
+        };
+        let side = (corner + 1) % 3;
+        let Some((other, there)) = source.across(triangle, side) else {
+            shares = sound(std::array::from_fn(|k| shares[k] + 0.9 * exit.0 * rates[k]));
+            break;
+        };
+        shares = sound(std::array::from_fn(|k| if k == corner { 0.0 } else { shares[k] + exit.0 * rates[k] }));
+        left *= 1.0 - exit.0;
+        let along = (corners[(side + 1) % 3] - corners[side]).normalize_or_zero();
+        let (ahead, across) = (direction.dot(along), direction.dot(along.cross(normal)));
+        let [a, b, c] = source.corners(other);
+        direction = along * ahead + along.cross((b - a).cross(c - a).normalize_or_zero()) * across;
+        let mut entering = [0.0; 3];
+        entering[there] = shares[(side + 1) % 3];
+        entering[(there + 1) % 3] = shares[side];
+        (triangle, shares, entered) = (other, entering, (there + 2) % 3);
+    }
+    Place { triangle, shares }
+}
+
+/// Shares of which rounding has made none negative.
+fn sound(shares: [f64; 3]) -> [f64; 3] {
+    let shares = shares.map(|s| s.max(0.0));
+    let sum: f64 = shares.iter().sum();
+    shares.map(|s| s / sum)
 }
