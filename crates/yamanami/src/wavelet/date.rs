@@ -7,6 +7,7 @@ use super::date_page::write_page;
 use super::study::{kept, places, usual_thresholds_m, wavelet_study};
 use super::{Approximation, SemiRegularModel, WaveletRow, WaveletStudy};
 use crate::{Error, Original, model_views};
+use glam::DVec3;
 use image::RgbaImage;
 use std::path::{Path, PathBuf};
 use yamanami_core::TriangleMesh;
@@ -76,24 +77,31 @@ pub fn date(models: Vec<DateModel>, out: &Path, progress: &dyn Fn(&str)) -> Resu
 /// Figure 6: the levels of a model under each wavelet.
 fn approximations(model: &SemiRegularModel, file: &Path) -> Result<(), Error> {
     let source = model.to_mesh();
-    let views = model_views(&source.positions, 1, [2 * CELL_PX; 2]);
-    let original = Original::new(&source, &views, true, true)?;
     let levels = model.mesh.levels();
     let shown: Vec<u32> = (0..levels).rev().take(SHOWN_LEVELS as usize).collect();
     let mut columns = vec![format!("source, {} vertices", source.positions.len())];
     columns.extend(shown.iter().map(|&l| format!("level {l}, {} vertices", model.mesh.vertex_count(l))));
-    let mut rows = Vec::new();
+    // coarse levels may reach beyond the source: the pictures hold them all
+    let mut points = source.positions.clone();
+    let mut approximations = Vec::new();
     for wavelet in SHOWN {
         let lifting = Lifting::new(&model.mesh, wavelet);
         let mut details = model.planes();
         details.iter_mut().for_each(|plane| lifting.analyse(plane));
-        let mut cells = vec![original.pictures().first().map(smaller)];
         for &level in &shown {
             let count = model.mesh.vertex_count(level) as usize;
             let keep: Vec<bool> = (0..source.positions.len()).map(|v| v < count).collect();
-            let positions = places(&kept(&lifting, &details, &keep)).take(count).collect();
-            let coarse = TriangleMesh::new(positions, model.mesh.triangles(level));
-            cells.push(original.draw(&coarse)?.first().map(smaller));
+            let positions: Vec<DVec3> = places(&kept(&lifting, &details, &keep)).take(count).collect();
+            points.extend(&positions);
+            approximations.push(TriangleMesh::new(positions, model.mesh.triangles(level)));
+        }
+    }
+    let original = Original::new(&source, &model_views(&points, 1, [2 * CELL_PX; 2]), true, true)?;
+    let mut rows = Vec::new();
+    for (wavelet, meshes) in SHOWN.iter().zip(approximations.chunks(shown.len())) {
+        let mut cells = vec![original.pictures().first().map(smaller)];
+        for mesh in meshes {
+            cells.push(original.draw(mesh)?.first().map(smaller));
         }
         rows.push(SheetRow { name: wavelet.to_string(), cells });
     }

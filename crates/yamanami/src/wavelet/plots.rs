@@ -39,6 +39,7 @@ fn series(study: &WaveletStudy, points: impl Fn(&WaveletRow) -> Vec<[f64; 2]>) -
 
 /// Figure 7: what a threshold leaves out.
 fn compression(study: &WaveletStudy, out: &Path, name: &str, plots: &mut Vec<Plot>) -> Result<(), Error> {
+    let nth: Vec<usize> = study.telling_thresholds().collect();
     let at = |a: &Approximation| Some([a.threshold_m?, a.compression_percent]);
     draw(
         out,
@@ -47,7 +48,7 @@ fn compression(study: &WaveletStudy, out: &Path, name: &str, plots: &mut Vec<Plo
             title: format!("Figure 7, {}: compression", study.title),
             x_label: "threshold of the details (m)".to_owned(),
             y_label: "data compression rate C_r (%)".to_owned(),
-            series: series(study, |row| row.thresholds.iter().filter_map(at).collect()),
+            series: series(study, |row| nth.iter().filter_map(|&n| at(&row.thresholds[n])).collect()),
             x_log: true,
             y_from_zero: true,
             ..Chart::default()

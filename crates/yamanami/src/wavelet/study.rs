@@ -94,6 +94,14 @@ pub struct WaveletStudy {
     pub rows: Vec<WaveletRow>,
 }
 
+impl WaveletStudy {
+    /// The numbers of the thresholds from where something is left out to where nothing is left.
+    pub fn telling_thresholds(&self) -> impl Iterator<Item = usize> {
+        let percent = |n: usize| self.rows.iter().map(move |row| row.thresholds[n].compression_percent);
+        (0..self.thresholds_m.len()).filter(move |&n| percent(n).any(|p| p > 0.5) && percent(n).any(|p| p < 99.5))
+    }
+}
+
 /// Thresholds that suit a model: four a decade, from a millionth of its diagonal to a tenth.
 pub fn usual_thresholds_m(diagonal_m: f64) -> Vec<f64> {
     (0..=20).map(|i| diagonal_m * 10f64.powf(f64::from(i) / 4.0 - 6.0)).collect()

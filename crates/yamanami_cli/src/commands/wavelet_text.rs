@@ -49,15 +49,14 @@ pub(super) fn print(study: &WaveletStudy, all_thresholds: bool) -> Result<(), Fa
     }
     out::line("\ncompression rate C_r (%), and E_MA and |E_MS| (thousandths of the diagonal), by threshold")?;
     head(study.rows.iter().map(|row| row.wavelet.to_string()), 22)?;
-    for (nth, threshold_m) in study.thresholds_m.iter().enumerate() {
-        let at: Vec<&Approximation> = study.rows.iter().map(|row| &row.thresholds[nth]).collect();
-        if all_thresholds || at.iter().any(|a| (0.5..99.5).contains(&a.compression_percent)) {
-            let cell = |a: &&Approximation| {
-                let m = &a.moved;
-                format!("{:.1} {:.4} {:.4}", a.compression_percent, scale * m.mean_m, scale * m.normal_mean_m)
-            };
-            cells(&format!("{threshold_m:.3e} m"), at.iter().map(cell), 22)?;
-        }
+    let shown: Vec<usize> =
+        if all_thresholds { (0..study.thresholds_m.len()).collect() } else { study.telling_thresholds().collect() };
+    for nth in shown {
+        let cell = |row: &WaveletRow| {
+            let Approximation { compression_percent, moved, .. } = row.thresholds[nth];
+            format!("{compression_percent:.1} {:.4} {:.4}", scale * moved.mean_m, scale * moved.normal_mean_m)
+        };
+        cells(&format!("{:.3e} m", study.thresholds_m[nth]), study.rows.iter().map(cell), 22)?;
     }
     Ok(())
 }
