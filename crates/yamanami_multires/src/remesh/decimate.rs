@@ -38,13 +38,6 @@ pub(super) struct Decimated {
     pub(super) history: History,
 }
 
-impl Decimated {
-    /// The triangles left: number and corners.
-    pub(super) fn left(&self) -> impl Iterator<Item = (u32, [u32; 3])> {
-        self.triangles.iter().zip(0..).filter(|(t, _)| t[0] != GONE).map(|(&t, number)| (number, t))
-    }
-}
-
 /// A vertex's best move.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Move {

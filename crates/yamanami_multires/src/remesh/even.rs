@@ -27,11 +27,13 @@ pub(super) fn even(net: &mut Net<'_>, level: u32) {
         .places
         .par_iter()
         .enumerate()
-        .map_init(Vec::new, |ring, (v, &at)| {
-            if net.topology.ring(net.level, v as u32, ring) {
-                walk::trace(net.source, at, moves[v])
-            } else {
+        .map(|(v, &at)| {
+            if net.is_pinned[v] {
+                at
+            } else if net.is_border(v as u32) {
                 walk::descend_border(net.source, at, net.positions[v] + moves[v]).map_or(at, |found| found.place)
+            } else {
+                walk::trace(net.source, at, moves[v])
             }
         })
         .collect();
@@ -66,7 +68,7 @@ fn moves(net: &Net<'_>, level: u32) -> Vec<DVec3> {
 /// The move of a vertex of the coarse level: towards the middle of its neighbours there, longer edges pulling more.
 fn own_move(net: &Net<'_>, level: u32, v: u32, lengths: &[f64], near: &mut Vec<u32>, between: &mut Vec<u32>) -> DVec3 {
     let is_closed = net.topology.ring(net.level, v, near);
-    if !is_closed && v < net.topology.vertex_count(0) {
+    if net.is_pinned[v as usize] || !is_closed && v < net.topology.vertex_count(0) {
         return DVec3::ZERO;
     }
     if level < net.level {

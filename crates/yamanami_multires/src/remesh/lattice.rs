@@ -7,7 +7,7 @@
 use super::decimate::Decimated;
 use super::net::Net;
 use super::source::{Place, Source};
-use super::{even, refine, relax};
+use super::{even, pin, refine, relax};
 use yamanami_core::{BaseFault, BaseMesh, Place as LatticePlace, SemiRegular};
 
 /// How many times finer each mesh on the way back is than the one before.
@@ -15,6 +15,9 @@ const FINER: usize = 4;
 
 /// Levels that the net is finer than the mesh that it lies on, where it may: it must not cut through what stands out.
 const AHEAD: u32 = 2;
+
+/// Tips are looked for on meshes of up to so many times the base mesh's faces: on finer ones they are roughness.
+const PINNED: usize = 64;
 
 /// Coarse levels that are evened out on each mesh, from the net's own down.
 const EVEN_LEVELS: u32 = 4;
@@ -46,6 +49,7 @@ pub(super) fn places(
     let mut faces = topology.base().triangles().len();
     let mut at_level = AHEAD.min(level);
     let mut places = on_base(topology, at_level);
+    let mut is_pinned = Vec::new();
     loop {
         let (surface, numbers) = source.coarser(&triangles)?;
         let mut number_of = vec![0; triangles.len()];
@@ -54,6 +58,10 @@ pub(super) fn places(
             places.iter_mut().for_each(|place| place.triangle = number_of[place.triangle as usize]);
         }
         let mut net = Net::new(&surface, topology, at_level, places);
+        net.is_pinned.iter_mut().zip(&is_pinned).for_each(|(now, &before)| *now = before);
+        if faces <= PINNED * topology.base().triangles().len() {
+            pin::pin(&mut net);
+        }
         lay_out(&mut net);
         progress(faces as f32 / source.triangles().len() as f32);
         let is_last = end == 0;
@@ -64,8 +72,7 @@ pub(super) fn places(
                 lay_out(&mut net);
             }
         }
-        at_level = net.level;
-        places = net.places;
+        (at_level, places, is_pinned) = (net.level, net.places, net.is_pinned);
         if is_last {
             return Ok(places);
         }

@@ -11,6 +11,7 @@ mod history;
 mod lattice;
 mod measure;
 mod net;
+mod pin;
 mod predict;
 mod refine;
 mod relax;

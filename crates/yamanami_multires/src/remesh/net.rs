@@ -4,7 +4,7 @@ use super::source::{Place, Source};
 use super::walk;
 use glam::DVec3;
 use rayon::prelude::*;
-use yamanami_core::SemiRegular;
+use yamanami_core::{Place as LatticePlace, SemiRegular};
 
 /// Vertices on the source.
 #[derive(Debug)]
@@ -17,20 +17,29 @@ pub(super) struct Net<'a> {
     pub(super) positions: Vec<DVec3>,
     /// The source's unit normals at the places.
     pub(super) normals: Vec<DVec3>,
+    /// Vertices that stay where they are.
+    pub(super) is_pinned: Vec<bool>,
 }
 
 impl<'a> Net<'a> {
     /// Puts the vertices of a level's mesh at their places; those of borders on the border.
     pub(super) fn new(source: &'a Source, topology: &'a SemiRegular, level: u32, mut places: Vec<Place>) -> Self {
-        let mut ring = Vec::new();
+        let mut net = Self {
+            source,
+            topology,
+            level,
+            places: Vec::new(),
+            positions: Vec::new(),
+            normals: Vec::new(),
+            is_pinned: vec![false; topology.vertex_count(level) as usize],
+        };
         for v in 0..topology.vertex_count(level) {
             let at = places[v as usize];
-            if !topology.ring(level, v, &mut ring) {
+            if net.is_border(v) {
                 let on_border = walk::descend_border(source, at, source.position(at));
                 places[v as usize] = on_border.map_or(at, |f| f.place);
             }
         }
-        let mut net = Self { source, topology, level, places: Vec::new(), positions: Vec::new(), normals: Vec::new() };
         net.put_all(places);
         net
     }
@@ -41,6 +50,15 @@ impl<'a> Net<'a> {
         self.places[v] = place;
         self.positions[v] = self.source.position(place);
         self.normals[v] = self.source.normal(place);
+    }
+
+    /// Whether a vertex lies on the border.
+    pub(super) fn is_border(&self, vertex: u32) -> bool {
+        match self.topology.place(vertex) {
+            LatticePlace::Base => self.topology.base().is_on_border(vertex),
+            LatticePlace::Edge { edge, .. } => self.topology.base().edges()[edge as usize].right.is_none(),
+            LatticePlace::Face { .. } => false,
+        }
     }
 
     /// Moves all vertices.
@@ -54,6 +72,7 @@ impl<'a> Net<'a> {
     pub(super) fn add_level(&mut self, places: &[Place]) {
         self.level += 1;
         self.places.extend_from_slice(places);
+        self.is_pinned.resize(self.places.len(), false);
         self.positions.extend(places.iter().map(|&p| self.source.position(p)));
         self.normals.extend(places.iter().map(|&p| self.source.normal(p)));
     }
@@ -66,6 +85,7 @@ impl<'a> Net<'a> {
             places: self.places[..count].to_vec(),
             positions: self.positions[..count].to_vec(),
             normals: self.normals[..count].to_vec(),
+            is_pinned: self.is_pinned[..count].to_vec(),
             ..*self
         }
     }

@@ -9,7 +9,6 @@ use super::source::{Place, vertex_normals};
 use super::walk;
 use glam::DVec3;
 use rayon::prelude::*;
-use yamanami_core::{Place as LatticePlace, SemiRegular};
 
 /// How far the piercing point may be from the point nearest to the prediction, in lengths of the edge that is split.
 const FARTHEST: f64 = 0.5;
@@ -43,7 +42,7 @@ pub(super) fn halve(net: &mut Net<'_>) {
         let ends = topology.parents(v).unwrap_or([v, v]);
         let at = ends.map(|e| net.positions[e as usize]);
         let from = ends.map(|e| net.places[e as usize]);
-        if is_on_border(topology, v) {
+        if net.is_border(v) {
             let found = from.map(|from| walk::descend_border(source, from, (at[0] + at[1]) * 0.5));
             let nearest = found.into_iter().flatten().min_by(|p, q| p.distance2.total_cmp(&q.distance2));
             return nearest.map_or(from[0], |found| found.place);
@@ -80,7 +79,7 @@ fn place(
         }
         None => (net.places[ends[0] as usize], (p + q) * 0.5),
     };
-    if is_on_border(net.topology, vertex) {
+    if net.is_border(vertex) {
         let found = walk::descend_border(source, from, predicted);
         return (found.map_or(from, |f| f.place), false);
     }
@@ -95,13 +94,5 @@ fn place(
     match pierced {
         Some(found) => (found.place, true),
         None => (expected.place, false),
-    }
-}
-
-/// Whether a vertex that comes with a level lies on the border.
-fn is_on_border(topology: &SemiRegular, vertex: u32) -> bool {
-    match topology.place(vertex) {
-        LatticePlace::Edge { edge, .. } => topology.base().edges()[edge as usize].right.is_none(),
-        _ => false,
     }
 }

@@ -18,7 +18,7 @@ pub(super) fn relax(net: &mut Net<'_>, rounds: usize, is_chosen: impl Fn(u32) ->
         for k in 0..count {
             // to and fro, so that what is even spreads both ways
             let v = if round % 2 == 0 { k } else { count - 1 - k };
-            if is_chosen(v) {
+            if is_chosen(v) && !net.is_pinned[v as usize] {
                 let is_closed = net.topology.ring(net.level, v, &mut ring);
                 if is_closed {
                     relax_inside(net, v, &ring);
