@@ -93,7 +93,7 @@ pub(super) fn decimate(source: &Source, target: usize, progress: &dyn Fn(usize))
         }
         left -= decimator.perform(best, &mut star);
         steps += 1;
-        if steps % 4096 == 0 {
+        if steps.is_multiple_of(4096) {
             progress(left);
         }
     }
