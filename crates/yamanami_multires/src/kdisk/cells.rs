@@ -187,16 +187,18 @@ impl<'a> Cells<'a> {
         }
         if self.run_length() > 0 {
             let few = 1 + FEW / self.run_length();
-            face_details.par_chunks_exact_mut(self.run_length()).with_min_len(few).enumerate().for_each(|(nth, run)| {
-                let (face, run_number) = (nth / 3, nth % 3);
-                let (first_row, offset) = [(2, 0), (1, 0), (1, 1)][run_number];
-                let mut rest = run;
-                for row in 0..self.size - 1 {
-                    let odd;
-                    (odd, rest) = rest.split_at_mut(self.size - 1 - row);
-                    pick(&finer[fine.row(face, 2 * row + first_row)], offset, odd);
-                }
-            });
+            face_details.par_chunks_exact_mut(self.run_length()).with_min_len(few).enumerate().for_each(
+                |(nth, run)| {
+                    let (face, run_number) = (nth / 3, nth % 3);
+                    let (first_row, offset) = [(2, 0), (1, 0), (1, 1)][run_number];
+                    let mut rest = run;
+                    for row in 0..self.size - 1 {
+                        let odd;
+                        (odd, rest) = rest.split_at_mut(self.size - 1 - row);
+                        pick(&finer[fine.row(face, 2 * row + first_row)], offset, odd);
+                    }
+                },
+            );
         }
     }
 

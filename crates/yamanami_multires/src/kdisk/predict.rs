@@ -11,14 +11,17 @@ const BAND: usize = 8192;
 pub(super) fn predict<const D: usize>(at: Cells<'_>, cells: &[[f64; D]], details: &mut [[f64; D]], sign: f64) {
     let (edges, faces) = details.split_at_mut(at.details_inside());
     let few = 1 + FEW / at.size;
-    edges.par_chunks_exact_mut(at.size).with_min_len(few).enumerate().for_each_init(Vec::new, |along, (edge, details)| {
-        let ends = at.base.edges()[edge].ends.map(|v| cells[v as usize]);
-        along.clear();
-        along.push(ends[0]);
-        along.extend_from_slice(&cells[at.edge(edge)]);
-        along.push(ends[1]);
-        add_middles(details, along, &along[1..], sign);
-    });
+    edges.par_chunks_exact_mut(at.size).with_min_len(few).enumerate().for_each_init(
+        Vec::new,
+        |along, (edge, details)| {
+            let ends = at.base.edges()[edge].ends.map(|v| cells[v as usize]);
+            along.clear();
+            along.push(ends[0]);
+            along.extend_from_slice(&cells[at.edge(edge)]);
+            along.push(ends[1]);
+            add_middles(details, along, &along[1..], sign);
+        },
+    );
     if at.size == 1 {
         return;
     }

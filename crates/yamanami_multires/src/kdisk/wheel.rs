@@ -134,6 +134,5 @@ impl Corner {
 
 /// Details whose nearer parent is so many edges off the middle.
 fn shell(triangles: usize, distance: usize) -> impl Iterator<Item = (usize, [usize; 2])> {
-    around(triangles, 2 * distance + 1)
-        .filter(move |(_, [a, b])| (a + b) / 2 == distance && (a & 1 == 1 || b & 1 == 1))
+    around(triangles, 2 * distance + 1).filter(move |(_, [a, b])| (a + b) / 2 == distance && (a & 1 == 1 || b & 1 == 1))
 }

@@ -1,9 +1,9 @@
 //! Speed of the k-disk wavelets: analysis and synthesis of the three coordinates, setting up, and the bytes that are held.
-//! `cargo bench -p yamanami_multires`.
+//! `cargo bench -p yamanami --bench kdisk`.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use yamanami_core::{BaseMesh, SemiRegular};
-use yamanami_multires::kdisk::{Lifting, Wavelet};
+use yamanami::core::{BaseMesh, SemiRegular};
+use yamanami::multires::kdisk::{Lifting, Wavelet};
 
 const OCTAHEDRON: [[u32; 3]; 8] =
     [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]];
