@@ -12,8 +12,9 @@ use super::wheel::Tap;
 use rayon::prelude::*;
 use std::ops::{Range, RangeInclusive};
 
-/// Cells that make a piece of work.
-const BAND: usize = 2048;
+/// Cells that make a piece of work, if in rows enough that what is copied around them does not outweigh them.
+const BAND: usize = 1024;
+const LEAST_ROWS: usize = 8;
 
 /// What the regular update must know of the mesh besides the cells.
 #[derive(Debug, Clone, Copy)]
@@ -72,7 +73,7 @@ impl Surroundings<'_> {
             let mut begin = 1;
             while begin < size - 1 {
                 let (mut end, mut count) = (begin, 0);
-                while end < size - 1 && count < BAND {
+                while end < size - 1 && (count < BAND || end - begin < LEAST_ROWS) {
                     count += size - 1 - end;
                     end += 1;
                 }
