@@ -32,11 +32,13 @@ mod model_view;
 mod page;
 mod path;
 mod polygon;
+mod progressive;
 mod reduce;
 mod reproduce;
 mod scene;
 mod subject;
 mod terrain;
+mod wavelet;
 mod yama;
 
 pub use bench::{measure_rate, triangles_at_rate};
@@ -55,12 +57,19 @@ pub use model::{Model, ModelBuild, ModelStoreOptions, ModelStored};
 pub use model_picture::{MODEL_BACKGROUND, coloured_style, model_pixels, model_style};
 pub use model_view::{model_camera, model_views, turn_back_y_up, turn_y_up};
 pub use path::{CameraPath, orbit, read_path, valley_run, write_path};
+pub use progressive::{
+    ProgressiveFile, ProgressiveOptions, ProgressiveSurface, decode_progressive, encode_progressive, read_progressive,
+};
 pub use reduce::{DisplayNeed, POLYGONS_PER_PIXEL, Reduced, ReducedBy, display_need, reduce, reduce_within};
 
 pub use reproduce::hashida;
 pub use scene::{Scene, Update};
 pub use subject::Subject;
 pub use terrain::{OpenOptions, Terrain};
+pub use wavelet::{
+    Approximation, DateModel, Fullness, KEPT_SHARES, SemiRegularModel, WaveletModel, WaveletRow, WaveletStudy, date,
+    paper_fullness, usual_thresholds_m, wavelet_study, write_wavelet_plots,
+};
 pub use yama::{StoreOptions, quantise};
 
 pub use yamanami_core as core;

@@ -5,21 +5,27 @@ use crate::failure::Failure;
 use crate::progress::Bar;
 use std::path::{Path, PathBuf};
 use yamanami::core::{HeightField, TriangleMesh};
-use yamanami::io::{IoError, dem, mesh_file, store::ClusterStore};
-use yamanami::{Criteria, Model, Terrain};
+use yamanami::io::{IoError, dem, mesh_file, progressive, store::ClusterStore};
+use yamanami::{Criteria, Model, Terrain, WaveletModel};
 
 /// What a command works on.
 #[derive(Debug)]
 pub(crate) enum Opened {
     Terrain(Box<Terrain>),
     Model(Box<Model>),
+    Progressive(Box<WaveletModel>),
 }
 
-/// Opens what a command works on: a terrain, or a model where its one source is a mesh file or a model's database.
+/// Opens what a command works on: a terrain, or a model where its one source is a mesh file, a model's
+/// database or a progressive model.
 pub(crate) fn subject(source: &SourceArgs) -> Result<Opened, Failure> {
     if let [path] = source.sources.as_slice()
         && is_model(path)?
     {
+        if is_progressive(path)? {
+            let _bar = Bar::spinner("decoding");
+            return Ok(Opened::Progressive(Box::new(WaveletModel::open(path, u64::MAX)?)));
+        }
         let bar = Bar::shares("opening");
         return Ok(Opened::Model(Box::new(Model::open(path, &|share| bar.set_share(share))?)));
     }
@@ -28,13 +34,21 @@ pub(crate) fn subject(source: &SourceArgs) -> Result<Opened, Failure> {
 
 /// Whether a file is a mesh or a model's database.
 pub(crate) fn is_model(path: &Path) -> Result<bool, Failure> {
-    Ok(is_mesh(path) || (is_yama(path) && ClusterStore::is_model(path)?))
+    Ok(is_mesh(path) || is_progressive(path)? || (is_yama(path) && ClusterStore::is_model(path)?))
+}
+
+/// Whether a file is a progressive model.
+pub(crate) fn is_progressive(path: &Path) -> Result<bool, Failure> {
+    Ok(is_yama(path) && progressive::is_progressive(path)?)
 }
 
 /// A mesh file as it is, or the finest mesh of a model's database.
 pub(crate) fn mesh(path: &Path) -> Result<TriangleMesh, Failure> {
     if is_mesh(path) {
         return Ok(mesh_file::read_mesh(path)?);
+    }
+    if is_progressive(path)? {
+        return Ok(WaveletModel::open(path, u64::MAX)?.finest());
     }
     Ok(yamanami::extract(&mut Model::open(path, &|_| ())?, &Criteria::default())?.mesh)
 }

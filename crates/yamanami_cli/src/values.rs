@@ -3,6 +3,7 @@
 use yamanami::core::Crs;
 use yamanami::io::crs;
 use yamanami::io::dem::TileEncoding;
+use yamanami::multires::kdisk::{MOST_RINGS, Wavelet};
 
 /// Lengths, tolerances: a finite number that is not negative.
 pub(crate) fn not_negative(text: &str) -> Result<f64, String> {
@@ -114,6 +115,19 @@ pub(crate) fn views(text: &str) -> Result<usize, String> {
     }
 }
 
+/// A wavelet by name.
+pub(crate) fn wavelet(text: &str) -> Result<Wavelet, String> {
+    let expected = || format!("expected lazy, kdisk:K with K from 0 to {MOST_RINGS}, or orthogonal");
+    match text {
+        "lazy" => Ok(Wavelet::Lazy),
+        "orthogonal" => Ok(Wavelet::Orthogonal),
+        _ => {
+            let k = text.strip_prefix("kdisk:").and_then(|k| k.parse().ok()).filter(|&k| k <= MOST_RINGS);
+            k.map(Wavelet::KDisk).ok_or_else(expected)
+        }
+    }
+}
+
 /// A number of frames.
 pub(crate) fn frames(text: &str) -> Result<usize, String> {
     match text.parse() {
@@ -197,6 +211,8 @@ mod tests {
         assert!(memory("2").is_err() && memory("0GB").is_err() && memory("-1GB").is_err() && memory("GB").is_err());
         assert_eq!((faces("1_000"), views("8")), (Ok(1000), Ok(8)));
         assert!(faces("0").is_err() && views("0").is_err() && views("65").is_err());
+        assert_eq!((wavelet("lazy"), wavelet("kdisk:2")), (Ok(Wavelet::Lazy), Ok(Wavelet::KDisk(2))));
+        assert!(wavelet("kdisk:9").is_err() && wavelet("kdisk:-1").is_err() && wavelet("kdisk").is_err());
         assert_eq!(epsg("EPSG:32654").unwrap().epsg, Some(32654));
         assert!(epsg("99999").is_err());
         assert_eq!(tile("10/906/404"), Ok([10, 906, 404]));

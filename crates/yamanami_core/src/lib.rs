@@ -7,6 +7,7 @@
 #![forbid(unsafe_code)]
 
 mod cluster_page;
+mod details;
 mod geo;
 mod height_field;
 mod hierarchy;
@@ -19,6 +20,7 @@ mod terrain_page;
 mod view;
 
 pub use cluster_page::{BASE_CLUSTERS, ClusterNode, ClusterPage, ClusterVertex, GroupId};
+pub use details::{DetailScheme, Predictor};
 pub use geo::{Crs, GeoReference, PixelConvention};
 pub use height_field::HeightField;
 pub use hierarchy::{ActiveSet, Hierarchy, NodeId, NodeList, Sphere, Surface};

@@ -70,6 +70,30 @@ pub enum MultiresError {
         /// How many there may be.
         most: u64,
     },
+    /// A mesh that is not a surface with or without border, facing one way.
+    #[error("not a surface at ({:.3}, {:.3}, {:.3}): {what}", place_m[0], place_m[1], place_m[2])]
+    NotASurface {
+        /// What is wrong, with numbers of vertices or triangles.
+        what: String,
+        /// Where, in metres.
+        place_m: [f64; 3],
+    },
+    /// Vertices and triangles of a semi-regular mesh must have 32-bit numbers.
+    #[error("the mesh is too large: {triangles} triangles, at most 1.4 billion can be numbered")]
+    TooManyTriangles {
+        /// Triangles given.
+        triangles: usize,
+    },
+    /// Places or colours that do not fit the vertices of a semi-regular mesh.
+    #[error("a semi-regular mesh of {vertices} vertices: expected as many {what}, given {given}")]
+    BadVertices {
+        /// What was given.
+        what: &'static str,
+        /// Vertices of the mesh.
+        vertices: usize,
+        /// How many were given.
+        given: usize,
+    },
     /// More than two triangles at an edge: no surface.
     #[error("{triangles} triangles meet at the edge between vertices {} and {}, at {at:?}: expected at most 2", ends[0], ends[1])]
     NotManifoldEdge {

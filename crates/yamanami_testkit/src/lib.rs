@@ -3,9 +3,10 @@
 //! [`SyntheticTerrain`] makes height fields of any size, whole or by windows. [`laws`] holds the contracts of
 //! [`yamanami_core::Hierarchy`] and [`yamanami_core::Surface`] as checks that panic with what was broken and where, so
 //! that a law is written once and run over every method. [`RandomFront`] wanders through the legal fronts of a hierarchy.
-//! [`models`] makes small closed and open surfaces; [`Pagoda`] is a made laser scan of a building, up to 20 million triangles.
+//! [`models`] makes small closed and open surfaces, [`carved`] balls; [`Pagoda`] is a made laser scan of a building, up to 20 million triangles.
 #![forbid(unsafe_code)]
 
+mod carved;
 mod conforming;
 mod fractal;
 mod front;
@@ -18,6 +19,7 @@ mod solid;
 mod strict_sink;
 mod terrain;
 
+pub use carved::{Relief, carved};
 pub use conforming::check_conforming;
 pub use front::{RandomFront, Step};
 pub use holes::Holes;

@@ -1,6 +1,7 @@
 //! `build`: elevation files or a mesh to a surface database.
 
-use super::build_model;
+use super::remesh::RemeshArgs;
+use super::{build_model, progressive};
 use crate::args::SourceArgs;
 use crate::failure::Failure;
 use crate::progress::{Bar, note};
@@ -21,6 +22,8 @@ Examples:
   yamanami build lidar.tif -o lidar.yama --max-error 0.05
                                                      heights within 5 cm: a much smaller file
   yamanami build scan.ply -o scan.yama               a model at every level of detail
+  yamanami build scan.ply --progressive -o scan.yama
+                                                     a small file of which any beginning is a coarser model
 
 The database appears whole or not at all; an old one stays until then.")]
 pub(crate) struct BuildArgs {
@@ -30,9 +33,14 @@ pub(crate) struct BuildArgs {
     #[arg(short, long, value_name = "S.yama", help_heading = "Results")]
     pub(super) output: PathBuf,
     /// Stored heights, or vertices, may be off by so many metres. Else heights are kept exactly, and vertices within
-    /// 1/70 of a usual edge of the mesh
+    /// 1/70 of a usual edge of the mesh; of a progressive model within about 1/30,000 of its diagonal
     #[arg(long, value_name = "M", value_parser = values::not_negative, help_heading = "Results")]
     pub(super) max_error: Option<f64>,
+    /// Of a mesh: remesh it where it has no levels, and write wavelet details, the most telling bits first
+    #[arg(long, help_heading = "Results")]
+    pub(super) progressive: bool,
+    #[command(flatten)]
+    pub(super) remesh: RemeshArgs,
     /// Print JSON
     #[arg(long, help_heading = "Results")]
     pub(super) json: bool,
@@ -45,7 +53,9 @@ pub(crate) fn run(args: &BuildArgs) -> Result<(), Failure> {
         return Err(Failure::failed("a .yama is a database already: build takes elevation files or a mesh"));
     }
     match sources.as_slice() {
+        [mesh] if inputs::is_mesh(mesh) && args.progressive => return progressive::build(args, mesh),
         [mesh] if inputs::is_mesh(mesh) => return build_model::run(args, mesh),
+        _ if args.progressive => return Err(Failure::misuse("--progressive is for one mesh")),
         several if several.iter().any(|s| inputs::is_mesh(s)) => {
             return Err(Failure::misuse("a mesh stands alone: give it as the only input"));
         }

@@ -6,7 +6,7 @@ use crate::{out, text};
 use serde_json::{Value, json};
 use yamanami::core::TriangleMesh;
 use yamanami::measure::{ConformityReport, SurfaceDistance, conformity, surface_distance};
-use yamanami::{Criteria, Model, Subject};
+use yamanami::{Criteria, Subject};
 
 /// Points on each surface from which the distance to the other is measured.
 const SAMPLES: usize = 1_000_000;
@@ -25,10 +25,9 @@ pub(crate) struct ModelCheck {
 }
 
 impl ModelCheck {
-    /// Measures a mesh against all that the model holds.
-    pub(crate) fn new(model: &mut Model, mesh: &TriangleMesh) -> Result<Self, Failure> {
+    /// Measures a mesh against all that the model holds, itself at most `stored_error_m` from its source.
+    pub(crate) fn new(model: &mut impl Subject, mesh: &TriangleMesh, stored_error_m: f64) -> Result<Self, Failure> {
         let _bar = Bar::spinner("checking");
-        let stored_error_m = model.store().map_or(0.0, |store| store.meta().max_error_m);
         let reach_m = model.bounds().min.abs().max(model.bounds().max.abs()).max_element();
         let finest = yamanami::extract(model, &Criteria::default())?.mesh;
         Ok(Self {

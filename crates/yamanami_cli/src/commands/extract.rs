@@ -2,6 +2,7 @@
 
 use super::check::Check;
 use super::check_model::ModelCheck;
+use super::progressive;
 use crate::args::{self, EyeArgs, FinenessArgs, LensArgs, SourceArgs};
 use crate::failure::Failure;
 use crate::inputs::Opened;
@@ -13,7 +14,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 use yamanami::core::TriangleMesh;
 use yamanami::io::mesh_file::{MeshMeta, write_mesh};
-use yamanami::{Extracted, Frame, LimitedBy, Subject, Terrain, to_frame};
+use yamanami::{Extracted, Frame, LimitedBy, Subject, Terrain, WaveletModel, to_frame};
 
 /// Extract a mesh: within a tolerance, for a view, or of so many triangles
 #[derive(Debug, Args)]
@@ -25,6 +26,7 @@ Examples:
   yamanami extract dem.yama --eye 138.6,35.2,6000 --target 138.73,35.36,3000 -o view.stl
                                                 as fine as this view asks, coarse outside it
   yamanami extract scan.yama --tolerance 0.001 -o scan.ply    a model, within 1 mm of the scan
+  yamanami extract prog.yama --bytes 20000 -o scan.ply        what the first 20,000 bytes of a progressive model tell
 
 Without --eye, --tolerance-px is for a view of the whole. Several limits hold together; the output
 says which one bound.")]
@@ -34,6 +36,9 @@ pub(crate) struct ExtractArgs {
     /// The mesh to write: .glb, .ply, .obj, .stl or .off
     #[arg(short, long, value_name = "FILE", help_heading = "Results")]
     output: PathBuf,
+    /// Read only so many bytes from the beginning of a progressive model
+    #[arg(long, value_name = "N", help_heading = "How fine")]
+    bytes: Option<u64>,
     #[command(flatten)]
     fineness: FinenessArgs,
     #[command(flatten)]
@@ -63,6 +68,18 @@ enum FrameName {
 
 pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
     inputs::check_output(&args.output, &["glb", "ply", "obj", "stl", "off"], &args.source.sources)?;
+    if let Some(bytes) = args.bytes {
+        let [path] = args.source.sources.as_slice() else {
+            return Err(Failure::misuse("--bytes reads the beginning of one progressive model"));
+        };
+        if !inputs::is_progressive(path)? {
+            return Err(Failure::failed(format!(
+                "{}: expected a progressive model for --bytes (yamanami build scan.ply --progressive -o scan.yama)",
+                path.display()
+            )));
+        }
+        return from_progressive(args, WaveletModel::open(path, bytes)?);
+    }
     if !args.fineness.is_given() && args.eye.eye.is_none() {
         return Err(Failure::misuse(
             "how fine? give --tolerance M, --tolerance-px P, --budget N or a view (--tolerance 0 gives every sample)",
@@ -83,10 +100,20 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
                 Ok(Checked::Terrain(Check::new(&field, mesh)))
             })
         }
-        Opened::Model(mut model) => {
-            from(args, &mut *model, Frame::Source, |model, mesh| Ok(Checked::Model(ModelCheck::new(model, mesh)?)))
-        }
+        Opened::Model(mut model) => from(args, &mut *model, Frame::Source, |model, mesh| {
+            let stored_error_m = model.store().map_or(0.0, |store| store.meta().max_error_m);
+            Ok(Checked::Model(ModelCheck::new(model, mesh, stored_error_m)?))
+        }),
+        Opened::Progressive(model) => from_progressive(args, *model),
     }
+}
+
+/// A progressive model, or what its first bytes tell of it.
+fn from_progressive(args: &ExtractArgs, mut model: WaveletModel) -> Result<(), Failure> {
+    if let Some((_, report)) = model.file() {
+        note(&progressive::share(report));
+    }
+    from(args, &mut model, Frame::Source, |model, mesh| Ok(Checked::Model(ModelCheck::new(model, mesh, 0.0)?)))
 }
 
 /// What a check found.

@@ -91,6 +91,7 @@ pub(crate) fn run(args: &FlyArgs) -> Result<(), Failure> {
     match inputs::subject(&args.source)? {
         Opened::Terrain(mut terrain) => over(args, &mut *terrain),
         Opened::Model(mut model) => over(args, &mut *model),
+        Opened::Progressive(mut model) => over(args, &mut *model),
     }
 }
 

@@ -5,11 +5,12 @@ use crate::progress::Bar;
 use crate::{inputs, out, text, values};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
+use yamanami::core::TriangleMesh;
 use yamanami::io::dem;
 use yamanami::io::mesh_file::{MeshMeta, write_mesh};
-use yamanami_testkit::{Holes, Pagoda, Shape, Spacing, SyntheticTerrain};
+use yamanami_testkit::{Holes, Pagoda, Relief, Shape, Spacing, SyntheticTerrain, carved};
 
-/// Make synthetic terrain, or the scan of a pagoda, of any size
+/// Make synthetic terrain, the scan of a pagoda, or a ball, of any size
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -18,12 +19,13 @@ Examples:
   yamanami generate fractal -o island.tif --holes discs:20     with twenty round holes
   yamanami generate cone -o cone.asc --size 101x77 --spacing 0.5
   yamanami generate pagoda -o pagoda.ply --faces 5000000
-  yamanami generate pagoda -o holed.ply --faces 1000000 --holes occluded    with a scan's defects")]
+  yamanami generate pagoda -o holed.ply --faces 1000000 --holes occluded    with a scan's defects
+  yamanami generate carved-ball -o ball.ply --splits 6                      a model with levels, for wavelets")]
 pub(crate) struct GenerateArgs {
-    /// The form of the ground, or a building
+    /// The form of the ground, or a model
     #[arg(value_enum)]
     kind: Kind,
-    /// The file to write: .tif (32-bit floats) or .asc; of a pagoda .ply, .obj, .stl or .glb
+    /// The file to write: .tif (32-bit floats) or .asc; of a pagoda or ball .ply, .obj, .stl or .glb
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// Which of all such terrains or scans
@@ -37,6 +39,9 @@ pub(crate) struct GenerateArgs {
     terrain: TerrainArgs,
     #[command(flatten)]
     scan: ScanArgs,
+    /// Times that a ball's octahedron is split: 8 · 4^N triangles [default: 4]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=10), help_heading = "Ball")]
+    splits: Option<u32>,
 }
 
 /// What only terrain has.
@@ -109,6 +114,10 @@ enum Kind {
     Spike,
     /// The laser scan of a five-storey pagoda: tiles, brackets, railings
     Pagoda,
+    /// A ball with broad swells: an octahedron split again and again
+    Ball,
+    /// A ball with edges, grooves and a band, split the same way
+    CarvedBall,
 }
 
 /// Patterns of no-data, before the seed is known.
@@ -138,8 +147,14 @@ fn holes(text: &str) -> Result<HolePattern, String> {
 }
 
 pub(crate) fn run(args: &GenerateArgs) -> Result<(), Failure> {
-    if args.kind == Kind::Pagoda {
-        return pagoda(args);
+    match args.kind {
+        Kind::Pagoda => return pagoda(args),
+        Kind::Ball => return ball(args, Relief::Smooth),
+        Kind::CarvedBall => return ball(args, Relief::Sharp),
+        _ => (),
+    }
+    if args.splits.is_some() {
+        return Err(Failure::misuse("--splits is for a ball"));
     }
     if args.scan.faces.is_some() || args.scan.noise.is_some() || args.holes == HolePattern::Occluded {
         return Err(Failure::misuse("--faces, --noise and --holes occluded are for a pagoda"));
@@ -157,8 +172,8 @@ pub(crate) fn run(args: &GenerateArgs) -> Result<(), Failure> {
             let fall = -0.5 * relief_m;
             Shape::Plane { at_origin_m: relief_m, slope_m: [fall / (width - 1) as f32, fall / (height - 1) as f32] }
         }
-        // a pagoda has been dealt with
-        Kind::Flat | Kind::Pagoda => Shape::Flat { z_m: relief_m },
+        // models have been dealt with
+        Kind::Flat | Kind::Pagoda | Kind::Ball | Kind::CarvedBall => Shape::Flat { z_m: relief_m },
         Kind::Spike => Shape::Spike { column: width / 2, row: height / 2, z_m: relief_m },
     };
     let spacing = order.arc_seconds.map_or(Spacing::Metres(order.spacing.unwrap_or(30.0)), Spacing::ArcSeconds);
@@ -195,10 +210,28 @@ pub(crate) fn run(args: &GenerateArgs) -> Result<(), Failure> {
     out::row("heights", range)
 }
 
+fn ball(args: &GenerateArgs, relief: Relief) -> Result<(), Failure> {
+    inputs::check_output(&args.output, &["ply", "obj", "stl", "glb"], &[])?;
+    if args.terrain.any() || args.scan.faces.is_some() || args.scan.noise.is_some() || args.holes != HolePattern::None {
+        return Err(Failure::misuse("a ball takes --splits only"));
+    }
+    let mesh = carved(args.splits.unwrap_or(4), relief);
+    let meta = MeshMeta { title: "an octahedron split four to one, carved".to_owned(), ..MeshMeta::default() };
+    write_mesh(&args.output, &mesh, &meta)?;
+    tell(args, &mesh)
+}
+
+/// The file and its size.
+fn tell(args: &GenerateArgs, mesh: &TriangleMesh) -> Result<(), Failure> {
+    out::row("file", format_args!("{}, {}", args.output.display(), text::bytes(inputs::file_bytes(&args.output)?)))?;
+    let (triangles, vertices) = (mesh.triangles.len(), mesh.positions.len());
+    out::row("triangles", format_args!("{}, {} vertices", text::count(triangles), text::count(vertices)))
+}
+
 fn pagoda(args: &GenerateArgs) -> Result<(), Failure> {
     inputs::check_output(&args.output, &["ply", "obj", "stl", "glb"], &[])?;
-    if args.terrain.any() {
-        return Err(Failure::misuse("a pagoda takes --faces, --noise, --seed and --holes; the rest is for terrain"));
+    if args.terrain.any() || args.splits.is_some() {
+        return Err(Failure::misuse("a pagoda takes --faces, --noise, --seed and --holes; the rest is for others"));
     }
     let holes = match args.holes {
         HolePattern::None => false,
@@ -216,15 +249,7 @@ fn pagoda(args: &GenerateArgs) -> Result<(), Failure> {
     };
     write_mesh(&args.output, &mesh, &meta)?;
     drop(bar);
-    out::row("file", format_args!("{}, {}", args.output.display(), text::bytes(inputs::file_bytes(&args.output)?)))?;
-    out::row(
-        "triangles",
-        format_args!(
-            "{}, {} vertices",
-            text::count(mesh.triangles.len() as u64),
-            text::count(mesh.positions.len() as u64)
-        ),
-    )?;
+    tell(args, &mesh)?;
     let [eye, target] = Pagoda::view().map(|p| p.to_array().map(text::number).join(","));
     out::row("view", format_args!("--eye {eye} --target {target}"))
 }

@@ -2,7 +2,7 @@
 
 use super::info_text::{database_json, dem_json, print_database, print_dem};
 use super::render;
-use super::{info_mesh, info_model};
+use super::{info_mesh, info_model, progressive};
 use crate::args::ReadingArgs;
 use crate::failure::Failure;
 use crate::pictures::{self, PICTURE_ENDINGS};
@@ -84,7 +84,9 @@ pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
         if !args.json && !found.is_empty() {
             out::line("")?;
         }
-        if inputs::is_yama(path) && ClusterStore::is_model(path)? {
+        if inputs::is_progressive(path)? {
+            found.push(progressive::tell(path, args.json)?);
+        } else if inputs::is_yama(path) && ClusterStore::is_model(path)? {
             found.push(info_model::tell(path, args.json, args.verify)?);
         } else if inputs::is_yama(path) {
             found.push(database(path, args)?);

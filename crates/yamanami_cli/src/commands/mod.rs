@@ -16,13 +16,17 @@ mod info;
 mod info_mesh;
 mod info_model;
 mod info_text;
+mod progressive;
 mod reduce;
 mod reduce_memory;
 mod reduce_text;
+mod remesh;
 mod render;
 mod render_model;
 mod reproduce;
 mod view;
+mod wavelet;
+mod wavelet_text;
 
 use crate::failure::Failure;
 use clap::{Parser, Subcommand};
@@ -65,6 +69,8 @@ enum Command {
     Reduce(Box<reduce::ReduceArgs>),
     Compare(compare::CompareArgs),
     Generate(generate::GenerateArgs),
+    Remesh(remesh::RemeshCommand),
+    Wavelet(wavelet::WaveletArgs),
     Reproduce(reproduce::ReproduceArgs),
 }
 
@@ -81,6 +87,8 @@ impl Program {
             Command::Reduce(args) => reduce::run(args),
             Command::Compare(args) => compare::run(args),
             Command::Generate(args) => generate::run(args),
+            Command::Remesh(args) => remesh::run(args),
+            Command::Wavelet(args) => wavelet::run(args),
             Command::Reproduce(args) => reproduce::run(args),
         }
     }

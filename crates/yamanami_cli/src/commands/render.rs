@@ -64,6 +64,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     match inputs::subject(&args.source)? {
         Opened::Terrain(mut terrain) => draw(args, &mut *terrain),
         Opened::Model(mut model) => draw(args, &mut *model),
+        Opened::Progressive(mut model) => draw(args, &mut *model),
     }
 }
 

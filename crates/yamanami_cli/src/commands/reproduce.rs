@@ -1,15 +1,15 @@
 //! `reproduce`: a paper's figures on real data.
 
 use crate::args::{ReadingArgs, UpArgs};
-use crate::commands::demo;
+use crate::commands::{demo, remesh, wavelet};
 use crate::failure::Failure;
 use crate::progress::Bar;
-use crate::{inputs, out, values};
+use crate::{inputs, out, text, values};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use yamanami::io::mesh_file;
-use yamanami::{MizunoModel, Terrain};
-use yamanami_testkit::Pagoda;
+use yamanami::{DateModel, MizunoModel, SemiRegularModel, Terrain};
+use yamanami_testkit::{Pagoda, Relief, carved};
 
 /// Reproduce a paper's figures: CSV, plots and a page of text
 #[derive(Debug, Args)]
@@ -19,9 +19,12 @@ Examples:
   yamanami reproduce hashida -o hashida --dem fuji_50m.tif --large alps.tif
   yamanami reproduce mizuno -o mizuno
   yamanami reproduce mizuno -o mizuno --faces 10000000 --scan statue.ply
+  yamanami reproduce date -o date --scan statue.ply --scan bust.ply
 
 hashida: Hashida, Kanai, Kishinami: wavelets and a triangle quadtree for large terrain; figures 7(a), 7(b) and 8.
-mizuno: Mizuno, Okumoto, Takata, Joe: polygon reduction for displays; tables 1 and 2, on a made pagoda.")]
+mizuno: Mizuno, Okumoto, Takata, Joe: polygon reduction for displays; tables 1 and 2, on a made pagoda.
+date: Date, Kanai, Kishinami: k-disk wavelets of polygon models; figures 6, 7, 10 and times, on two made balls, terrain
+and scans.")]
 pub(crate) struct ReproduceArgs {
     /// The paper
     #[arg(value_enum)]
@@ -29,7 +32,7 @@ pub(crate) struct ReproduceArgs {
     /// Folder for the results
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// A DEM of about 257 x 257 samples of 50 m; else the bundled Mount Washington
+    /// hashida, date: a DEM of about 257 x 257 samples of 50 m; else the bundled Mount Washington
     #[arg(long, value_name = "FILE")]
     dem: Option<PathBuf>,
     /// A large DEM or .yama; else the bundled San Gabriel Mountains
@@ -38,9 +41,9 @@ pub(crate) struct ReproduceArgs {
     /// mizuno: faces of the made pagoda
     #[arg(long, value_name = "N", value_parser = values::faces, default_value_t = USUAL_PAGODA_FACES)]
     faces: usize,
-    /// mizuno: a real scan beside the pagoda
+    /// mizuno: a real scan beside the pagoda; date: real scans, remeshed where they have no levels
     #[arg(long, value_name = "FILE")]
-    scan: Option<PathBuf>,
+    scan: Vec<PathBuf>,
     #[command(flatten)]
     up: UpArgs,
     #[command(flatten)]
@@ -54,6 +57,8 @@ enum Paper {
     Hashida,
     /// Polygons of scanned models for displays
     Mizuno,
+    /// k-disk wavelets of polygon models
+    Date,
 }
 
 /// Enough for a hundred polygons a pixel on a small display, and done in a few minutes.
@@ -67,6 +72,7 @@ pub(crate) fn run(args: &ReproduceArgs) -> Result<(), Failure> {
     match args.paper {
         Paper::Hashida => hashida(args),
         Paper::Mizuno => mizuno(args),
+        Paper::Date => date(args),
     }
 }
 
@@ -85,12 +91,12 @@ fn mizuno(args: &ReproduceArgs) -> Result<(), Failure> {
         fov_y_rad: Some(PAGODA_FOV_RAD),
         regions: regions.into(),
     }];
-    if let Some(scan) = &args.scan {
+    for (nth, scan) in args.scan.iter().enumerate() {
         let mut mesh = mesh_file::read_mesh(scan)?;
         args.up.turn(&mut mesh);
         let name = scan.file_name().unwrap_or_default().to_string_lossy().into_owned();
         models.push(MizunoModel {
-            name: "scan".to_owned(),
+            name: scan_name(nth),
             title: format!("A real scan, {name}"),
             mesh,
             camera: None,
@@ -99,6 +105,59 @@ fn mizuno(args: &ReproduceArgs) -> Result<(), Failure> {
         });
     }
     let page = yamanami::mizuno(models, &args.output, &|job| bar.set_job(job))?;
+    drop(bar);
+    out::line(page.display())
+}
+
+/// `scan`, `scan2`, `scan3`: for file names.
+fn scan_name(nth: usize) -> String {
+    if nth == 0 { "scan".to_owned() } else { format!("scan{}", nth + 1) }
+}
+
+/// Splits of the octahedron that give the paper's 2,048 triangles.
+const PAPER_SPLITS: u32 = 4;
+
+fn date(args: &ReproduceArgs) -> Result<(), Failure> {
+    let bar = Bar::spinner("making models");
+    let made = "A made ball of the paper's size, an octahedron split four times, within ±10 m.";
+    let mut models = Vec::new();
+    for (name, title, relief) in [
+        ("smooth", "Model 1, smooth", Relief::Smooth),
+        ("sharp", "Model 2, sharp relief", Relief::Sharp),
+    ] {
+        let model = SemiRegularModel::recognised(&carved(PAPER_SPLITS, relief), title.to_owned())?;
+        models.extend(model.map(|model| DateModel {
+            name: name.to_owned(),
+            origin: made.to_owned(),
+            model,
+            is_terrain: false,
+        }));
+    }
+    for (nth, scan) in args.scan.iter().enumerate() {
+        let mut mesh = mesh_file::read_mesh(scan)?;
+        args.up.turn(&mut mesh);
+        let title = scan.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        remesh::mend(&mut mesh);
+        bar.set_job(&format!("remeshing {title}"));
+        let (model, report) = wavelet::semi_regular(&mesh, scan, title, Some(&remesh::RemeshArgs::default()))?;
+        let how = report.map_or_else(
+            || "which has levels".to_owned(),
+            |r| format!("remeshed; two-sided RMS to the scan {:.1e} of the diagonal", r.rms_m() / r.diagonal_m),
+        );
+        let origin = format!("A scan of {} triangles, {how}.", text::count(mesh.triangles.len()));
+        models.push(DateModel { name: scan_name(nth), origin, model, is_terrain: false });
+    }
+    let terrain = match &args.dem {
+        Some(file) => inputs::open(std::slice::from_ref(file), &args.reading)?,
+        None => demo::mount_washington()?,
+    };
+    models.push(DateModel {
+        name: "terrain".to_owned(),
+        origin: "Terrain: the same wavelets on the heights of a grid.".to_owned(),
+        model: SemiRegularModel::of_heights(&terrain.field()?, format!("Terrain, {}", terrain.title()))?,
+        is_terrain: true,
+    });
+    let page = yamanami::date(models, &args.output, &|job| bar.set_job(job))?;
     drop(bar);
     out::line(page.display())
 }

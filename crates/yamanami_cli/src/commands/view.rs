@@ -42,6 +42,7 @@ pub(crate) fn run(args: &ViewArgs) -> Result<(), Failure> {
     match crate::inputs::subject(&args.source)? {
         crate::inputs::Opened::Terrain(terrain) => open(args, *terrain),
         crate::inputs::Opened::Model(model) => open(args, *model),
+        crate::inputs::Opened::Progressive(model) => open(args, *model),
     }
 }
 

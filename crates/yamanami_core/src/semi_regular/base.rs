@@ -70,7 +70,7 @@ impl BaseMesh {
                 return Err(BaseFault::BadTriangle { triangle: triangle as u32 });
             }
         }
-        let (edges, sides) = edges_of(&triangles)?;
+        let (edges, sides) = edges_of(vertices, &triangles)?;
         let mut base = Self { triangles, sides, edges, first_of_fan: Vec::new(), fans: Vec::new() };
         base.find_fans(vertices)?;
         Ok(base)
@@ -153,26 +153,46 @@ impl BaseMesh {
 
 type EdgesAndSides = (Vec<BaseEdge>, Vec<[Side; 3]>);
 
-fn edges_of(triangles: &[[u32; 3]]) -> Result<EdgesAndSides, BaseFault> {
-    // each side by its ends; equal ones come together, first named first
-    let mut named: Vec<([u32; 2], u32, u8)> = Vec::with_capacity(3 * triangles.len());
-    for (t, corners) in triangles.iter().enumerate() {
-        for k in 0..3u8 {
-            let (a, b) = (corners[usize::from(k)], corners[usize::from(k + 1) % 3]);
-            named.push(([a.min(b), a.max(b)], t as u32, k));
-        }
+fn edges_of(vertices: u32, triangles: &[[u32; 3]]) -> Result<EdgesAndSides, BaseFault> {
+    // each side under its lesser end, with its greater end and its number; equal ones come together, first named first
+    let ends = |side: u32| {
+        let (corners, k) = (triangles[side as usize / 3], side as usize % 3);
+        let (a, b) = (corners[k], corners[(k + 1) % 3]);
+        [a.min(b), a.max(b)]
+    };
+    let sides = 3 * triangles.len() as u32;
+    let mut next = vec![0u32; vertices as usize + 1];
+    for side in 0..sides {
+        next[ends(side)[0] as usize + 1] += 1;
     }
-    named.sort_unstable();
+    for v in 0..vertices as usize {
+        next[v + 1] += next[v];
+    }
+    let mut named = vec![(0, 0); sides as usize];
+    for side in 0..sides {
+        let [low, high] = ends(side);
+        named[next[low as usize] as usize] = (high, side);
+        next[low as usize] += 1;
+    }
     let mut of_side = vec![[u32::MAX; 3]; triangles.len()];
     let mut pairs = Vec::with_capacity(named.len() / 2 + 1);
-    for same in named.chunk_by(|p, q| p.0 == q.0) {
-        if same.len() > 2 {
-            return Err(BaseFault::BadEdge { ends: same[0].0 });
+    let mut rest = &mut named[..];
+    let mut taken = 0;
+    for low in 0..vertices {
+        let end = next[low as usize];
+        let (own, others) = rest.split_at_mut((end - taken) as usize);
+        (rest, taken) = (others, end);
+        own.sort_unstable();
+        for same in own.chunk_by(|p, q| p.0 == q.0) {
+            if same.len() > 2 {
+                return Err(BaseFault::BadEdge { ends: [low, same[0].0] });
+            }
+            for &(_, side) in same {
+                of_side[side as usize / 3][side as usize % 3] = pairs.len() as u32;
+            }
+            let place = |&(_, side): &(u32, u32)| (side / 3, (side % 3) as u8);
+            pairs.push((place(&same[0]), same.get(1).map(place)));
         }
-        for &(_, t, k) in same {
-            of_side[t as usize][usize::from(k)] = pairs.len() as u32;
-        }
-        pairs.push(((same[0].1, same[0].2), same.get(1).map(|s| (s.1, s.2))));
     }
     let mut number = vec![u32::MAX; pairs.len()];
     let mut edges = Vec::with_capacity(pairs.len());

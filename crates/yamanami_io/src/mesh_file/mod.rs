@@ -71,6 +71,11 @@ impl MeshMeta {
     }
 }
 
+/// Writes a file of these bytes; it appears whole or not at all.
+pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), IoError> {
+    atomic::write(path, Packing::None, |out| out.write_all(bytes))
+}
+
 /// Text without line breaks or other control characters.
 fn one_line(text: &str) -> String {
     text.split(char::is_control).filter(|part| !part.is_empty()).collect::<Vec<_>>().join(" ")

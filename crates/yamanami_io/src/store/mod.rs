@@ -27,6 +27,8 @@ mod schema;
 mod shown;
 mod writer;
 
+pub(crate) use bits::{put_varint, take, take_varint};
+pub(crate) use cluster::connectivity;
 pub use cluster::{ClusterCodec, ClusterMeta, ClusterStore, ClusterWriter, PageShape, Rounding, put_in_order};
 pub use meta::TerrainMeta;
 pub use page::{EncodedPage, PageCodec};

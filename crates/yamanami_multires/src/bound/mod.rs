@@ -13,7 +13,7 @@ mod frame;
 mod piece;
 mod search;
 mod tree;
-mod triangle;
+pub(crate) mod triangle;
 
 use frame::{Frame, SLACK};
 use glam::DVec3;

@@ -29,12 +29,7 @@ pub(super) fn nearest(p: DVec3, [a, b, c]: &[DVec3; 3]) -> DVec3 {
         return a + ab * (vb / sum) + ac * (vc / sum);
     }
     // on an edge, or the triangle is so thin that the signs mean nothing: the nearest edge decides
-    let on = |from: &DVec3, to: &DVec3| {
-        let along = to - from;
-        let length = along.length_squared();
-        if length > 0.0 { from + along * (along.dot(p - from) / length).clamp(0.0, 1.0) } else { *from }
-    };
-    let ends = [on(a, b), on(b, c), on(c, a)];
+    let ends = [[*a, *b], [*b, *c], [*c, *a]].map(|edge| nearest_on_edge(p, edge));
     let mut best = ends[0];
     for q in &ends[1..] {
         if (p - q).length_squared() < (p - best).length_squared() {
@@ -44,9 +39,17 @@ pub(super) fn nearest(p: DVec3, [a, b, c]: &[DVec3; 3]) -> DVec3 {
     best
 }
 
+/// The point of an edge nearest to another point, but for rounding.
+#[inline]
+pub(crate) fn nearest_on_edge(p: DVec3, [from, to]: [DVec3; 2]) -> DVec3 {
+    let along = to - from;
+    let length = along.length_squared();
+    if length > 0.0 { from + along * (along.dot(p - from) / length).clamp(0.0, 1.0) } else { from }
+}
+
 /// Square of the distance from a point to a triangle.
 #[inline]
-pub(super) fn distance2(p: DVec3, triangle: &[DVec3; 3]) -> f64 {
+pub(crate) fn distance2(p: DVec3, triangle: &[DVec3; 3]) -> f64 {
     (p - nearest(p, triangle)).length_squared()
 }
 

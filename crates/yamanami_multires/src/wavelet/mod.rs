@@ -20,6 +20,9 @@ mod surface;
 mod template;
 mod triangle;
 
+pub(crate) use errors::charge_three;
+pub(crate) use template::{ALL, Config, TEMPLATES};
+
 pub use build::{BuildOptions, build};
 pub use data::{GridData, TerrainData};
 pub use lazy::{analyse, synthesise};

@@ -4,6 +4,7 @@
 //! [`Rounding`] moves vertices to where a file can have them, and [`put_in_order`] makes pages that take fewer bytes.
 
 mod codec;
+pub(crate) mod connectivity;
 mod ids;
 mod meta;
 mod nodes;

@@ -71,7 +71,7 @@ fn order(page: &ClusterPage, clusters: &[u16], first: VertexId) -> Option<Order>
                 })
             })
             .collect();
-        walk(&local, &mut border, |corners| {
+        walk(&local, &mut border, |_, corners| {
             triangles.push(corners.map(|v| if v < own { first + v } else { names[(v - own) as usize] }));
         });
     }
@@ -80,7 +80,7 @@ fn order(page: &ClusterPage, clusters: &[u16], first: VertexId) -> Option<Order>
 }
 
 /// Visits a cluster's triangles, each turned to begin with the edge that it is glued to.
-fn walk(cluster: &[[u32; 3]], border: &mut Border, mut visit: impl FnMut([u32; 3])) {
+pub(super) fn walk(cluster: &[[u32; 3]], border: &mut Border, mut visit: impl FnMut(usize, [u32; 3])) {
     let mut at_edge: HashMap<(u32, u32), usize> = HashMap::with_capacity(3 * cluster.len());
     for (i, &[a, b, c]) in cluster.iter().enumerate() {
         for edge in [(a, b), (b, c), (c, a)] {
@@ -108,6 +108,6 @@ fn walk(cluster: &[[u32; 3]], border: &mut Border, mut visit: impl FnMut([u32; 3
         };
         border.add(corners);
         left[i] = false;
-        visit(corners);
+        visit(i, corners);
     }
 }
