@@ -17,6 +17,9 @@ use std::collections::BinaryHeap;
 /// How much the area that a vertex stands for counts beside the quadric error, so that flat parts keep triangles too.
 const AREA_WEIGHT: f64 = 0.05;
 
+/// How dear it is to cut off a tip, by the power that lays it flat: what stands out would be left without a vertex of its own.
+const TIP_POWER: i32 = 3;
+
 /// Weight of the planes that hold borders.
 const BORDER_WEIGHT: f64 = 4.0;
 
@@ -163,7 +166,7 @@ impl Decimator<'_> {
         let reach = star.ring.iter().map(|&n| self.positions[n as usize].distance_squared(from)).sum::<f64>();
         let bend = quadric.at(to);
         let even = (self.areas[vertex as usize] + self.areas[onto as usize]) * 2.6 * reach / star.ring.len() as f64;
-        let plain = bend + AREA_WEIGHT * even;
+        let plain = (bend + AREA_WEIGHT * even) * star.power.max(1.0).powi(TIP_POWER);
         if plain >= limit {
             return None;
         }

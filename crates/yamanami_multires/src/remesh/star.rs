@@ -22,6 +22,8 @@ pub(super) struct Star {
     pub(super) is_closed: bool,
     /// The neighbours in the plane, the vertex at the origin; empty if they cannot be laid flat.
     pub(super) flat: Vec<[f64; 2]>,
+    /// By how much angles grow when it is laid flat: above 1 where the surface ends in a point.
+    pub(super) power: f64,
 }
 
 impl Star {
@@ -72,6 +74,7 @@ impl Star {
         if !(power.is_finite() && mean > 0.0) {
             return false;
         }
+        self.power = power;
         let mut at = 0.0;
         for k in 0..self.ring.len() {
             let radius = (spokes[k].length() / mean).powf(power);
