@@ -15,7 +15,7 @@ use yamanami_multires::semi_regular::{close, thresholded};
 const MOST_COUNTED: u32 = 20_000;
 /// Times are the best of so many runs.
 const RUNS: usize = 5;
-/// Samples of a surface distance, each way.
+/// Most samples of a surface distance, each way.
 const SAMPLES: usize = 40_000;
 /// Shares of the details that are kept, the largest first.
 pub const KEPT_SHARES: [f64; 5] = [0.5, 0.2, 0.1, 0.05, 0.02];
@@ -229,7 +229,7 @@ impl Stage<'_> {
         let mesh = &self.model.mesh;
         if with_surface {
             let found = thresholded(mesh, keep, places_m)?;
-            let distance = surface_distance(self.source, &found.mesh, SAMPLES, 1);
+            let distance = surface_distance(self.source, &found.mesh, SAMPLES.min(10 * places_m.len()), 1);
             return Ok((found.vertices.len() as u32, Some(distance)));
         }
         let mut keep = keep.to_vec();
