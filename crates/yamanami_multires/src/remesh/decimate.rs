@@ -24,7 +24,7 @@ const TIP_POWER: i32 = 3;
 const BORDER_WEIGHT: f64 = 4.0;
 
 /// The least quality that a new triangle may have in the plane of its step; an equilateral one has 1.
-const LEAST_FLAT_QUALITY: f64 = 0.02;
+const LEAST_FLAT_QUALITY: f64 = 1e-3;
 
 /// Neighbours beyond which a vertex that gains them is dear.
 const GOOD_NEIGHBOURS: usize = 7;
@@ -163,9 +163,8 @@ impl Decimator<'_> {
             let [b, c] = [t, star.after(t)].map(|k| self.positions[star.ring[k] as usize]);
             turn += (b - from).cross(c - from);
         }
-        let reach = star.ring.iter().map(|&n| self.positions[n as usize].distance_squared(from)).sum::<f64>();
         let bend = quadric.at(to);
-        let even = (self.areas[vertex as usize] + self.areas[onto as usize]) * 2.6 * reach / star.ring.len() as f64;
+        let even = (self.areas[vertex as usize] + self.areas[onto as usize]) * 2.6 * from.distance_squared(to);
         let plain = (bend + AREA_WEIGHT * even) * star.power.max(1.0).powi(TIP_POWER);
         if plain >= limit {
             return None;
