@@ -112,8 +112,8 @@ impl Surroundings<'_> {
         };
         // sums are taken beyond the end of a row, and thrown away
         let count = 3 * window.height * window.width + ABREAST;
-        copied.values.clear();
         copied.values.resize(count, [0.0; D]);
+        copied.values.as_flattened_mut().fill(0.0);
         for direction in 0..3 {
             self.copy(band, direction, window, details, &mut copied.values[direction * window.height * window.width..]);
         }
