@@ -178,10 +178,12 @@ impl Lifting {
     }
 
     fn base_cells<const D: usize>(&self, values: &[[f64; D]]) -> Work<D> {
-        let most = self.mesh.vertex_count(self.mesh.levels().saturating_sub(1)) as usize;
-        let mut cells = Vec::with_capacity(most);
+        // even and odd levels take turns with the two
+        let last = self.mesh.levels().saturating_sub(1);
+        let room = |level: u32| Vec::with_capacity(self.mesh.vertex_count(level) as usize);
+        let (mut cells, spare) = (room(last & !1), room((last.saturating_sub(1) | 1).min(last)));
         cells.extend_from_slice(&values[..self.mesh.vertex_count(0) as usize]);
-        Work { cells, spare: Vec::with_capacity(most) }
+        Work { cells, spare }
     }
 
     /// The cells of the last level but one, of vertices in their usual order.
