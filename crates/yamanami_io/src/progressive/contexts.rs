@@ -177,9 +177,9 @@ impl Place {
     pub(super) fn of_base(&self, c: usize, plane: u32, own: i32, begins: bool, expected: i32) -> Contexts {
         let (own, expected) = (i64::from(own), i64::from(expected));
         let (kind, near) = match (own, begins) {
-            (0, false) => (BEGIN, 2 * expected.abs() >> plane),
-            (0, true) => (SIGN, 2 * expected >> plane),
-            _ => (REFINE, 4 * (expected * own.signum() - own.abs()) >> plane),
+            (0, false) => (BEGIN, (2 * expected.abs()) >> plane),
+            (0, true) => (SIGN, (2 * expected) >> plane),
+            _ => (REFINE, (4 * (expected * own.signum() - own.abs())) >> plane),
         };
         let class = (near.clamp(-6, 12) + 6) as usize;
         let coarse = (near.clamp(-3, 9) + 3) as usize / 2;
