@@ -15,6 +15,8 @@ pub(super) struct Place {
     pub(super) parent: u32,
     /// Neighbours of the parent.
     pub(super) beside_parent: [u32; 4],
+    /// The other half of the edge that the parent splits, or the edge across it.
+    pub(super) sibling: u32,
 }
 
 /// Slots of one input of one kind of bit.
@@ -22,6 +24,9 @@ const PART: usize = 1 << 13;
 const KINDS: usize = 4;
 pub(super) const SLOTS: usize = KINDS * INPUTS * PART;
 pub(super) const WEIGHT_SETS: usize = KINDS * QUESTIONS * 4;
+
+/// Where slots of vertices of the base mesh begin, above all others.
+const BASE: usize = 7000;
 
 /// What may be asked of what begins: each coefficient, and these.
 const QUESTIONS: usize = 6;
@@ -63,7 +68,7 @@ fn slots(kind: usize, at: [usize; INPUTS]) -> [usize; INPUTS] {
 impl Place {
     /// A vertex of the base mesh; `none` stands for vertices that are not there.
     pub(super) fn base(vertex: u32, none: u32) -> Self {
-        Self { vertex, level: 0, beside: [none; 4], parent: none, beside_parent: [none; 4] }
+        Self { vertex, level: 0, beside: [none; 4], parent: none, beside_parent: [none; 4], sibling: none }
     }
 
     fn weights(&self, kind: usize, c: usize) -> usize {
@@ -84,7 +89,7 @@ impl Place {
         let beside = self.beside.map(|v| each(v) >> plane);
         let around: u32 = beside.iter().sum();
         let parent = each(self.parent) >> plane;
-        let above = self.beside_parent.iter().map(|&v| each(v)).sum::<u32>() >> plane;
+        let above: u32 = self.beside_parent.iter().map(|&v| each(v) >> plane).sum();
         // what of the vertex itself says something
         let (x, y) = match question {
             1 => (own[0], own[2]),
@@ -101,7 +106,8 @@ impl Place {
             q + 6 * (pattern + 81 * five(parent)),
             q + 6 * (five(x) + 5 * (five(y) + 5 * eight(around + 2 * parent))),
             q + 6 * (eight(above) + 8 * (eight(around) + 8 * five(parent))),
-            q + 6 * (eight((4 * around + 2 * above + 4 * parent) / 4) + 8 * p),
+            q + 6 * (eight(around.min(99) + above.min(99) / 2 + parent.min(99)) + 8 * p),
+            q + 6 * (five(each(self.sibling) >> plane) + 5 * (eight(around) + 8 * five(above / 2))),
         ];
         (slots(BEGIN, at), self.weights(BEGIN, q))
     }
@@ -122,6 +128,7 @@ impl Place {
             eight(around) + 8 * (five(own) + 5 * open),
             eight(around) + 8 * (five(parent) + 5 * five(own)),
             open + 5 * (above + 5 * p),
+            usize::from(is_open[self.sibling as usize]) + 2 * (open + 5 * (five(own) + 5 * eight(around))),
         ];
         (slots(OPEN, at), self.weights(OPEN, 0))
     }
@@ -142,6 +149,7 @@ impl Place {
             c + 3 * (x + 3 * y + 9 * class(sum)),
             c + 3 * (l + 12 * class(parent)),
             c + 3 * (l + 12 * class(sum)),
+            c + 3 * (class(known[self.sibling as usize][c] >> plane) + 9 * class(sum)),
         ];
         (slots(SIGN, at), self.weights(SIGN, c))
     }
@@ -160,7 +168,23 @@ impl Place {
             c + 3 * (eight(own) + 8 * eight(parent)),
             c + 3 * (eight(own) + 8 * eight(above / 2)),
             c + 3 * (eight(own) + 8 * p),
+            c + 3 * (eight(own) + 8 * eight(known[self.sibling as usize][c].unsigned_abs() >> plane)),
         ];
         (slots(REFINE, at), self.weights(REFINE, c))
+    }
+
+    /// The kinds of bits of a coordinate of a vertex of the base mesh: `expected` is where its neighbours are.
+    pub(super) fn of_base(&self, c: usize, plane: u32, own: i32, begins: bool, expected: i32) -> Contexts {
+        let (own, expected) = (i64::from(own), i64::from(expected));
+        let (kind, near) = match (own, begins) {
+            (0, false) => (BEGIN, (2 * expected.abs()) >> plane),
+            (0, true) => (SIGN, (2 * expected) >> plane),
+            _ => (REFINE, (4 * (expected * own.signum() - own.abs())) >> plane),
+        };
+        let class = (near.clamp(-6, 12) + 6) as usize;
+        let coarse = (near.clamp(-3, 9) + 3) as usize / 2;
+        let p = plane as usize;
+        let at = [class, class, p, coarse + 7 * p, c + 3 * class, c + 3 * p, coarse].map(|at| BASE + at);
+        (slots(kind, at), self.weights(kind, c))
     }
 }

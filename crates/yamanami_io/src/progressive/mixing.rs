@@ -7,15 +7,15 @@ use super::coder::Bits;
 use std::sync::LazyLock;
 
 /// Contexts of a bit.
-pub(super) const INPUTS: usize = 6;
+pub(super) const INPUTS: usize = 7;
 /// Those, and one that is always there.
 const LANES: usize = 8;
 /// Logits lie within ±12 and are told apart by 1/256.
 const MOST_LOGIT: f32 = 12.0;
 const LOGITS: usize = 2 * 3072;
 /// A context's probability is the mean of its bits at first; later, it forgets at this rate.
-const SLOWEST: u32 = 255;
-const LEARNING_RATE: f32 = 0.02;
+const SLOWEST: u32 = 1023;
+const LEARNING_RATE: f32 = 0.007;
 const FIRST_WEIGHT: f32 = 0.3;
 
 struct Tables {
@@ -85,7 +85,7 @@ impl<B: Bits> Mixing<B> {
         for c in contexts {
             let slot = &mut self.slots[c];
             let (p, n) = (*slot >> 10, *slot & 1023);
-            let rate = i64::from(reciprocal[n as usize & 255]);
+            let rate = i64::from(reciprocal[n as usize]);
             let target = if bit { (1 << 22) - 1 } else { 0i64 };
             let moved = i64::from(p) + (((target - i64::from(p)) * rate) >> 16);
             *slot = (moved as u32) << 10 | (n + 1).min(SLOWEST);

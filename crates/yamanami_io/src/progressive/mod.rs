@@ -63,7 +63,7 @@ pub struct ProgressiveModel {
     pub report: ProgressiveReport,
 }
 
-/// The bytes of a file: a mesh with the numbers of [`renumber`], and three integers of at most 30 bits for each vertex.
+/// The bytes of a file: a mesh with the numbers of [`renumber`], and three integers of at most 28 bits for each vertex.
 pub fn encode(mesh: &SemiRegular, coefficients: &[[i32; 3]], meta: &ProgressiveMeta) -> Result<Vec<u8>, IoError> {
     let count = mesh.vertex_count(mesh.levels()) as usize;
     if coefficients.len() != count {
@@ -71,7 +71,7 @@ pub fn encode(mesh: &SemiRegular, coefficients: &[[i32; 3]], meta: &ProgressiveM
     }
     let planes = planes::planes_of(coefficients);
     if planes > planes::MOST_PLANES {
-        return Err(bad_request("integers of at most 30 bits", format!("one of {planes} bits")));
+        return Err(bad_request("integers of at most 28 bits", format!("one of {planes} bits")));
     }
     let body = planes::put(mesh, coefficients, planes, Encoder::new()).finish();
     let (body_bytes, body_crc) = (body.len() as u64, crc32fast::hash(&body));

@@ -16,7 +16,7 @@ use super::mixing::Mixing;
 use yamanami_core::SemiRegular;
 
 /// Most bits of a coefficient.
-pub(super) const MOST_PLANES: u32 = 30;
+pub(super) const MOST_PLANES: u32 = 28;
 
 /// Not one of the coefficient's bits is known.
 const UNBEGUN: u8 = u8::MAX;
@@ -26,6 +26,8 @@ pub(super) struct Walk<'a, B> {
     mesh: &'a SemiRegular,
     mixing: Mixing<B>,
     links: Vec<Links>,
+    /// By vertex of the base mesh: its neighbours there.
+    base_rings: Vec<Vec<u32>>,
     /// By vertex, and one more that stays zero for those that are not there.
     known: Vec<[i32; 3]>,
     /// By vertex: the lowest plane whose bit is known, of each coefficient.
@@ -106,7 +108,7 @@ fn restored(known: i32, lowest: u8) -> f64 {
         return f64::from(known);
     }
     let rest = (1u32 << lowest) - 1;
-    f64::from(known) + 0.4 * f64::from(rest) * f64::from(known.signum())
+    f64::from(known) + 0.5 * f64::from(rest) * f64::from(known.signum())
 }
 
 impl<'a, B: Bits> Walk<'a, B> {
@@ -116,10 +118,17 @@ impl<'a, B: Bits> Walk<'a, B> {
         if mesh.levels() > 0 {
             reached[1] = mesh.new_vertices(1).collect();
         }
+        let ring = |v| {
+            let mut ring = Vec::new();
+            mesh.ring(0, v, &mut ring);
+            ring
+        };
+        let base_rings = mesh.new_vertices(0).map(ring).collect();
         Self {
             mesh,
             mixing: Mixing::new(bits, SLOTS, WEIGHT_SETS),
             links: Vec::new(),
+            base_rings,
             known: vec![[0; 3]; count + 1],
             lowest: vec![[UNBEGUN; 3]; count],
             is_open: vec![false; count + 1],
@@ -149,8 +158,11 @@ impl<'a, B: Bits> Walk<'a, B> {
     fn plane(&mut self, plane: u32, target: Option<&Target<'_>>, levels: &mut u32) -> Option<()> {
         let earlier = self.begun.len();
         for v in self.mesh.new_vertices(0) {
-            let place = Place::base(v, self.known.len() as u32 - 1);
-            self.begin(plane, &place, target)?;
+            for c in 0..3 {
+                if self.lowest[v as usize][c] == UNBEGUN {
+                    self.begin_base(plane, v, c, target)?;
+                }
+            }
         }
         for level in 1..=self.mesh.levels() {
             *levels = level;
@@ -193,14 +205,15 @@ impl<'a, B: Bits> Walk<'a, B> {
         let links = &self.links[level as usize - 1];
         let nth = (vertex - links.first) as usize;
         let parent = links.parent[nth];
-        let beside_parent = match level {
-            1 => [links.none; 4],
-            _ => {
-                let above = &self.links[level as usize - 2];
-                above.beside[(parent - above.first) as usize]
-            }
-        };
-        Place { vertex, level, beside: links.beside[nth], parent, beside_parent }
+        let (mut beside_parent, mut sibling) = ([links.none; 4], links.none);
+        if level > 1 {
+            let above = &self.links[level as usize - 2];
+            let nth = (parent - above.first) as usize;
+            beside_parent = above.beside[nth];
+            let children = &above.children[nth];
+            sibling = (0..4).find(|&k| children[k] == vertex).map_or(links.none, |k| children[k ^ 1]);
+        }
+        Place { vertex, level, beside: links.beside[nth], parent, beside_parent, sibling }
     }
 
     /// Tells which coefficients of a vertex begin in a plane: first whether any does, then the one along the normal, then
@@ -256,6 +269,33 @@ impl<'a, B: Bits> Walk<'a, B> {
         Some(())
     }
 
+    /// Tells whether a coordinate of the base mesh begins in a plane, and on which side.
+    fn begin_base(&mut self, plane: u32, vertex: u32, c: usize, target: Option<&Target<'_>>) -> Option<()> {
+        let (v, place) = (vertex as usize, Place::base(vertex, self.known.len() as u32 - 1));
+        let want = target.map_or(0, |t| t.coefficients[v][c]);
+        let expected = self.expected(v, c);
+        let (contexts, weights) = place.of_base(c, plane, 0, false, expected);
+        if self.mixing.code(contexts, weights, bits(want) == plane + 1)? {
+            let (contexts, weights) = place.of_base(c, plane, 0, true, expected);
+            let size = if self.mixing.code(contexts, weights, want < 0)? { -1 } else { 1 };
+            self.known[v][c] = size << plane;
+            self.lowest[v][c] = plane as u8;
+            self.begun.push((3 * v + c) as u32);
+        }
+        Some(())
+    }
+
+    /// The mean of what is known of a coordinate around a vertex of the base mesh.
+    fn expected(&self, vertex: usize, c: usize) -> i32 {
+        let ring = &self.base_rings[vertex];
+        let half = |v: usize| match self.lowest[v][c] {
+            UNBEGUN | 0 => 0,
+            lowest => self.known[v][c].signum() << (lowest - 1),
+        };
+        let sum: i64 = ring.iter().map(|&v| i64::from(self.known[v as usize][c] + half(v as usize))).sum();
+        (sum / ring.len().max(1) as i64) as i32
+    }
+
     /// A coefficient begins in a plane; tells its sign.
     fn set_out(&mut self, plane: u32, place: &Place, c: usize, is_negative: bool) -> Option<()> {
         let v = place.vertex as usize;
@@ -270,11 +310,14 @@ impl<'a, B: Bits> Walk<'a, B> {
     /// The next bit of a coefficient that has begun.
     fn refine(&mut self, plane: u32, vertex: u32, c: usize, target: Option<&Target<'_>>) -> Option<()> {
         let v = vertex as usize;
-        let level = self.mesh.level_of(vertex);
-        let place =
-            if level == 0 { Place::base(vertex, self.known.len() as u32 - 1) } else { self.place(level, vertex) };
         let want = target.is_some_and(|t| t.coefficients[v][c].unsigned_abs() >> plane & 1 == 1);
-        let (contexts, weights) = place.of_refining(c, plane, &self.known);
+        let level = self.mesh.level_of(vertex);
+        let (contexts, weights) = if level == 0 {
+            let place = Place::base(vertex, self.known.len() as u32 - 1);
+            place.of_base(c, plane, self.known[v][c], true, self.expected(v, c))
+        } else {
+            self.place(level, vertex).of_refining(c, plane, &self.known)
+        };
         if self.mixing.code(contexts, weights, want)? {
             self.known[v][c] += self.known[v][c].signum() << plane;
         }

@@ -21,7 +21,7 @@ use yamanami_core::{DetailScheme, SemiRegular};
 const RUN: usize = 2048;
 
 /// Largest integer.
-const MOST: f64 = (1 << 29) as f64;
+const MOST: f64 = ((1 << 28) - 1) as f64;
 
 /// Integers of a mesh's vertices, and the vertices that they are read as, metres.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,7 +32,7 @@ pub struct Details {
     pub positions_m: Vec<DVec3>,
 }
 
-/// Tells vertices as integers. Coordinates must be finite; those too far for 30 bits come out too near.
+/// Tells vertices as integers. Coordinates must be finite; those too far for 28 bits come out too near.
 pub fn details(mesh: &SemiRegular, positions_m: &[DVec3], scheme: &DetailScheme) -> Details {
     let fine = analysed(mesh, positions_m, scheme);
     let base_steps = scheme.steps_m(0);
