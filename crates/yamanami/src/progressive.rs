@@ -40,9 +40,9 @@ impl Default for ProgressiveOptions {
             title: String::new(),
             source: String::new(),
             predictor: Predictor::Butterfly,
-            update: 0.0,
+            update: 0.14,
             precision: 1e-5,
-            level_ratio: 2.0,
+            level_ratio: 1.85,
             tangent_ratio: 4.0,
             base_ratio: 0.5,
         }

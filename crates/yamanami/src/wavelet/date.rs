@@ -4,10 +4,9 @@
 //! figures 6, 7 and 10, the times, and the non-zeros (13).
 
 use super::date_page::write_page;
-use super::study::{kept, places, usual_thresholds_m, wavelet_study};
+use super::study::{kept, usual_thresholds_m, wavelet_study};
 use super::{Approximation, SemiRegularModel, WaveletRow, WaveletStudy};
 use crate::{Error, Original, model_views};
-use glam::DVec3;
 use image::RgbaImage;
 use std::path::{Path, PathBuf};
 use yamanami_core::TriangleMesh;
@@ -86,12 +85,13 @@ fn approximations(model: &SemiRegularModel, file: &Path) -> Result<(), Error> {
     let mut approximations = Vec::new();
     for wavelet in SHOWN {
         let lifting = Lifting::new(&model.mesh, wavelet);
-        let mut details = model.planes();
-        details.iter_mut().for_each(|plane| lifting.analyse(plane));
+        let mut details = model.vectors();
+        lifting.analyse_vectors(&mut details);
         for &level in &shown {
             let count = model.mesh.vertex_count(level) as usize;
             let keep: Vec<bool> = (0..source.positions.len()).map(|v| v < count).collect();
-            let positions: Vec<DVec3> = places(&kept(&lifting, &details, &keep)).take(count).collect();
+            let mut positions = kept(&lifting, &details, &keep);
+            positions.truncate(count);
             points.extend(&positions);
             approximations.push(TriangleMesh::new(positions, model.mesh.triangles(level)));
         }

@@ -84,9 +84,9 @@ impl SemiRegularModel {
         TriangleMesh { colours: self.colours.clone(), ..TriangleMesh::new(self.positions.clone(), triangles) }
     }
 
-    /// The places as one list a coordinate.
-    pub(crate) fn planes(&self) -> [Vec<f64>; 3] {
-        std::array::from_fn(|axis| self.positions.iter().map(|p| p[axis]).collect())
+    /// The places as a wavelet takes them.
+    pub(crate) fn vectors(&self) -> Vec<[f64; 3]> {
+        self.positions.iter().map(|p| p.to_array()).collect()
     }
 }
 

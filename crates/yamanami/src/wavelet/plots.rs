@@ -104,7 +104,7 @@ fn beside_orthogonal(study: &WaveletStudy, out: &Path, name: &str, plots: &mut V
         out,
         format!("{name}_width.png"),
         Chart {
-            title: format!("{}: L2 error against disk width", study.title),
+            title: format!("{}: accuracy by disk width", study.title),
             x_label: "disk width k (edges)".to_owned(),
             y_label: "L2 error, multiple of orthogonal".to_owned(),
             series: all,

@@ -15,7 +15,7 @@ use yamanami_multires::semi_regular::{close, thresholded};
 const MOST_COUNTED: u32 = 20_000;
 /// Times are the best of so many runs.
 const RUNS: usize = 5;
-/// Samples of a surface distance, each way.
+/// Most samples of a surface distance, each way.
 const SAMPLES: usize = 40_000;
 /// Shares of the details that are kept, the largest first.
 pub const KEPT_SHARES: [f64; 5] = [0.5, 0.2, 0.1, 0.05, 0.02];
@@ -145,21 +145,21 @@ fn row(
     let lifting = Lifting::new(mesh, wavelet);
     let setup_s = started.elapsed().as_secs_f64();
     let (mut analysis_s, mut synthesis_s) = (f64::INFINITY, f64::INFINITY);
-    let (mut details, mut back) = (model.planes(), model.planes());
+    let (mut details, mut back) = (model.vectors(), model.vectors());
     for _ in 0..RUNS {
-        details = model.planes();
+        details = model.vectors();
         let started = Instant::now();
-        details.iter_mut().for_each(|plane| lifting.analyse(plane));
+        lifting.analyse_vectors(&mut details);
         analysis_s = analysis_s.min(started.elapsed().as_secs_f64());
         back.clone_from(&details);
         let started = Instant::now();
-        back.iter_mut().for_each(|plane| lifting.synthesise(plane));
+        lifting.synthesise_vectors(&mut back);
         synthesis_s = synthesis_s.min(started.elapsed().as_secs_f64());
     }
-    let off = model.positions.iter().zip(places(&back)).map(|(a, b)| (*a - b).abs().max_element());
+    let off = model.positions.iter().zip(&back).map(|(a, b)| (*a - DVec3::from_array(*b)).abs().max_element());
     let reconstruction = off.fold(0.0, f64::max) / diagonal_m;
     let stage = Stage { model, lifting: &lifting, details: &details, source };
-    let lengths: Vec<f64> = places(&details).map(DVec3::length).collect();
+    let lengths: Vec<f64> = details.iter().map(|d| DVec3::from_array(*d).length()).collect();
     let costs: Vec<f64> = lengths.iter().zip(lifting.norms(mesh)).map(|(length, norm)| length * norm).collect();
     let base = mesh.vertex_count(0) as usize;
     let above = |threshold_m: f64| {
@@ -193,17 +193,16 @@ fn row(
 struct Stage<'a> {
     model: &'a SemiRegularModel,
     lifting: &'a Lifting,
-    details: &'a [Vec<f64>; 3],
+    details: &'a [[f64; 3]],
     source: &'a TriangleMesh,
 }
 
 impl Stage<'_> {
     fn approximation(&self, keep: &[bool], with_surface: bool) -> Result<Approximation, Error> {
         let SemiRegularModel { mesh, positions, .. } = self.model;
-        let planes = kept(self.lifting, self.details, keep);
-        let approximation: Vec<DVec3> = places(&planes).collect();
+        let approximation = kept(self.lifting, self.details, keep);
         let off = |axis: usize| -> Vec<f64> {
-            positions.iter().zip(&planes[axis]).map(|(p, value)| value - p[axis]).collect()
+            positions.iter().zip(&approximation).map(|(p, q)| q[axis] - p[axis]).collect()
         };
         let l2_m = (0..3).map(|axis| l2_norm(mesh, mesh.levels(), &off(axis)).powi(2)).sum::<f64>().sqrt();
         let vertices = keep.iter().filter(|&&k| k).count() as u32;
@@ -229,7 +228,7 @@ impl Stage<'_> {
         let mesh = &self.model.mesh;
         if with_surface {
             let found = thresholded(mesh, keep, places_m)?;
-            let distance = surface_distance(self.source, &found.mesh, SAMPLES, 1);
+            let distance = surface_distance(self.source, &found.mesh, SAMPLES.min(10 * places_m.len()), 1);
             return Ok((found.vertices.len() as u32, Some(distance)));
         }
         let mut keep = keep.to_vec();
@@ -238,18 +237,11 @@ impl Stage<'_> {
     }
 }
 
-/// Synthesis of the details that are kept.
-pub(crate) fn kept(lifting: &Lifting, details: &[Vec<f64>; 3], keep: &[bool]) -> [Vec<f64>; 3] {
-    std::array::from_fn(|axis| {
-        let mut plane: Vec<f64> = details[axis].iter().zip(keep).map(|(&d, &k)| if k { d } else { 0.0 }).collect();
-        lifting.synthesise(&mut plane);
-        plane
-    })
-}
-
-/// Points of three lists of coordinates.
-pub(crate) fn places([x, y, z]: &[Vec<f64>; 3]) -> impl Iterator<Item = DVec3> {
-    x.iter().zip(y).zip(z).map(|((&x, &y), &z)| DVec3::new(x, y, z))
+/// Places from the details that are kept.
+pub(crate) fn kept(lifting: &Lifting, details: &[[f64; 3]], keep: &[bool]) -> Vec<DVec3> {
+    let mut values: Vec<[f64; 3]> = details.iter().zip(keep).map(|(&d, &k)| if k { d } else { [0.0; 3] }).collect();
+    lifting.synthesise_vectors(&mut values);
+    values.into_iter().map(DVec3::from_array).collect()
 }
 
 fn of_filters(mesh: &SemiRegular, lifting: &Lifting) -> (Option<Fullness>, Option<f64>) {

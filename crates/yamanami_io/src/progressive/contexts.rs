@@ -18,10 +18,19 @@ pub(super) struct Place {
 }
 
 /// Slots of one input of one kind of bit.
-const PART: usize = 1 << 12;
+const PART: usize = 1 << 13;
 const KINDS: usize = 4;
 pub(super) const SLOTS: usize = KINDS * INPUTS * PART;
-pub(super) const WEIGHT_SETS: usize = KINDS * 3 * 4;
+pub(super) const WEIGHT_SETS: usize = KINDS * QUESTIONS * 4;
+
+/// What may be asked of what begins: each coefficient, and these.
+const QUESTIONS: usize = 6;
+/// Whether any does.
+pub(super) const ANY: usize = 3;
+/// Whether the one along the normal does, when some do.
+pub(super) const NORMAL_OF_SOME: usize = 4;
+/// Whether one along the surface does.
+pub(super) const TANGENT: usize = 5;
 
 const BEGIN: usize = 0;
 const OPEN: usize = 1;
@@ -58,28 +67,43 @@ impl Place {
     }
 
     fn weights(&self, kind: usize, c: usize) -> usize {
-        (kind * 3 + c) * 4 + self.level.min(3) as usize
+        (kind * QUESTIONS + c) * 4 + self.level.min(3) as usize
     }
 
-    pub(super) fn of_beginning(&self, c: usize, plane: u32, known: &[[i32; 3]]) -> Contexts {
-        let around = sizes(&self.beside, c, known) >> plane;
-        let parent = known[self.parent as usize][c].unsigned_abs() >> plane;
-        let above = sizes(&self.beside_parent, c, known) >> plane;
-        let own = known[self.vertex as usize];
-        let [x, y] = [1, 2].map(|k| own[(c + k) % 3].unsigned_abs() >> plane);
-        let each = self.beside.map(|v| (known[v as usize][c].unsigned_abs() >> plane).min(2) as usize);
-        let pattern = each.iter().fold(0, |n, e| 3 * n + e);
+    pub(super) fn of_beginning(&self, question: usize, plane: u32, known: &[[i32; 3]]) -> Contexts {
+        let own = known[self.vertex as usize].map(|q| q.unsigned_abs() >> plane);
+        let each = |v: u32| {
+            let [a, b, c] = known[v as usize];
+            match question {
+                1 => b.unsigned_abs(),
+                2 => c.unsigned_abs(),
+                TANGENT => b.unsigned_abs() + c.unsigned_abs(),
+                _ => a.unsigned_abs(),
+            }
+        };
+        let beside = self.beside.map(|v| each(v) >> plane);
+        let around: u32 = beside.iter().sum();
+        let parent = each(self.parent) >> plane;
+        let above = self.beside_parent.iter().map(|&v| each(v)).sum::<u32>() >> plane;
+        // what of the vertex itself says something
+        let (x, y) = match question {
+            1 => (own[0], own[2]),
+            2 => (own[0], own[1]),
+            TANGENT => (own[0], 0),
+            _ => (own[1], own[2]),
+        };
+        let pattern = beside.iter().fold(0, |n, &e| 3 * n + e.min(2) as usize);
         let l = self.level.min(11) as usize;
-        let p = plane as usize;
+        let (p, q) = (plane as usize, question);
         let at = [
-            c + 3 * (eight(around) + 8 * (five(parent) + 5 * l)),
-            c + 3 * (p + 32 * l),
-            c + 3 * (pattern + 81 * five(parent)),
-            c + 3 * (five(x) + 5 * (five(y) + 5 * eight(around + 2 * parent))),
-            c + 3 * (eight(above) + 8 * (eight(around) + 8 * five(parent))),
-            c + 3 * (eight((4 * around + 2 * above + 4 * parent) / 4) + 8 * p),
+            q + 6 * (eight(around) + 8 * (five(parent) + 5 * l)),
+            q + 6 * (p + 32 * l),
+            q + 6 * (pattern + 81 * five(parent)),
+            q + 6 * (five(x) + 5 * (five(y) + 5 * eight(around + 2 * parent))),
+            q + 6 * (eight(above) + 8 * (eight(around) + 8 * five(parent))),
+            q + 6 * (eight((4 * around + 2 * above + 4 * parent) / 4) + 8 * p),
         ];
-        (slots(BEGIN, at), self.weights(BEGIN, c))
+        (slots(BEGIN, at), self.weights(BEGIN, q))
     }
 
     pub(super) fn of_open(&self, plane: u32, known: &[[i32; 3]], is_open: &[bool]) -> Contexts {

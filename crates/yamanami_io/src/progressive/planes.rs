@@ -10,7 +10,7 @@
 //! compression", 2000. Where we differ: every decision is coded in contexts that are mixed.
 
 use super::coder::Bits;
-use super::contexts::{Place, SLOTS, WEIGHT_SETS};
+use super::contexts::{ANY, NORMAL_OF_SOME, Place, SLOTS, TANGENT, WEIGHT_SETS};
 use super::links::Links;
 use super::mixing::Mixing;
 use yamanami_core::SemiRegular;
@@ -203,24 +203,67 @@ impl<'a, B: Bits> Walk<'a, B> {
         Place { vertex, level, beside: links.beside[nth], parent, beside_parent }
     }
 
-    /// Tells which coefficients of a vertex begin in a plane.
+    /// Tells which coefficients of a vertex begin in a plane: first whether any does, then the one along the normal, then
+    /// whether any along the surface does.
     fn begin(&mut self, plane: u32, place: &Place, target: Option<&Target<'_>>) -> Option<()> {
         let v = place.vertex as usize;
-        for c in 0..3 {
-            if self.lowest[v][c] != UNBEGUN {
-                continue;
-            }
-            let want = target.map_or(0, |t| t.coefficients[v][c]);
-            let (contexts, weights) = place.of_beginning(c, plane, &self.known);
-            if self.mixing.code(contexts, weights, bits(want) == plane + 1)? {
-                let (contexts, weights) = place.of_sign(c, plane, &self.known);
-                let is_negative = self.mixing.code(contexts, weights, want < 0)?;
-                let size = 1 << plane;
-                self.known[v][c] = if is_negative { -size } else { size };
-                self.lowest[v][c] = plane as u8;
-                self.begun.push((3 * v + c) as u32);
+        let waits = self.lowest[v].map(|lowest| lowest == UNBEGUN);
+        if waits == [false; 3] {
+            return Some(());
+        }
+        let want = target.map_or([0; 3], |t| t.coefficients[v]);
+        let wanted = want.map(|q| bits(q) == plane + 1);
+        let mut some = false;
+        if waits == [true; 3] {
+            let (contexts, weights) = place.of_beginning(ANY, plane, &self.known);
+            some = self.mixing.code(contexts, weights, wanted.contains(&true))?;
+            if !some {
+                return Some(());
             }
         }
+        let mut begins = [false; 3];
+        if waits[0] {
+            let (contexts, weights) = place.of_beginning(if some { NORMAL_OF_SOME } else { 0 }, plane, &self.known);
+            begins[0] = self.mixing.code(contexts, weights, wanted[0])?;
+            if begins[0] {
+                self.set_out(plane, place, 0, want[0] < 0)?;
+            }
+        }
+        let mut which = [waits[1], waits[2]];
+        if which == [true; 2] {
+            let must = some && !begins[0];
+            let (contexts, weights) = place.of_beginning(TANGENT, plane, &self.known);
+            if !must && !self.mixing.code(contexts, weights, wanted[1] || wanted[2])? {
+                return Some(());
+            }
+            let (contexts, weights) = place.of_beginning(1, plane, &self.known);
+            begins[1] = self.mixing.code(contexts, weights, wanted[1])?;
+            if begins[1] {
+                self.set_out(plane, place, 1, want[1] < 0)?;
+            } else {
+                return self.set_out(plane, place, 2, want[2] < 0);
+            }
+            which[0] = false;
+        }
+        for c in [1, 2] {
+            if which[c - 1] {
+                let (contexts, weights) = place.of_beginning(c, plane, &self.known);
+                if self.mixing.code(contexts, weights, wanted[c])? {
+                    self.set_out(plane, place, c, want[c] < 0)?;
+                }
+            }
+        }
+        Some(())
+    }
+
+    /// A coefficient begins in a plane; tells its sign.
+    fn set_out(&mut self, plane: u32, place: &Place, c: usize, is_negative: bool) -> Option<()> {
+        let v = place.vertex as usize;
+        let (contexts, weights) = place.of_sign(c, plane, &self.known);
+        let size = if self.mixing.code(contexts, weights, is_negative)? { -1 } else { 1 };
+        self.known[v][c] = size << plane;
+        self.lowest[v][c] = plane as u8;
+        self.begun.push((3 * v + c) as u32);
         Some(())
     }
 

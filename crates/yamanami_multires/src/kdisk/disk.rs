@@ -1,5 +1,6 @@
 //! The k-disk of an edge: the vertices within k edges of its ends, and how they are joined.
 
+use std::ops::Range;
 use yamanami_core::SemiRegular;
 
 /// Where no vertex of the disk is.
@@ -14,6 +15,9 @@ pub(super) struct DiskFinder<'a> {
     /// Place in the disk, by vertex, valid where `stamp` is the current one.
     place: Vec<(u32, u16)>,
     stamp: u32,
+    /// Where each vertex's ring is in `rings` and whether it is closed; an empty range where nobody has asked yet.
+    known: Vec<(Range<u32>, bool)>,
+    rings_found: Vec<u32>,
     ring: Vec<u32>,
     disk: Vec<u32>,
     /// Where each ring begins, in `joined`.
@@ -25,9 +29,10 @@ pub(super) struct DiskFinder<'a> {
 impl<'a> DiskFinder<'a> {
     /// Disks of so many rings in a level's mesh.
     pub(super) fn new(mesh: &'a SemiRegular, level: u32, rings: u32) -> Self {
-        let place = vec![(0, 0); mesh.vertex_count(level) as usize];
-        let (ring, disk, begins, joined, signature) = Default::default();
-        Self { mesh, level, rings, place, stamp: 0, ring, disk, begins, joined, signature }
+        let count = mesh.vertex_count(level) as usize;
+        let (place, known) = (vec![(0, 0); count], vec![(0..0, false); count]);
+        let (rings_found, ring, disk, begins, joined, signature) = Default::default();
+        Self { mesh, level, rings, place, stamp: 0, known, rings_found, ring, disk, begins, joined, signature }
     }
 
     /// The disk of an edge: its ends, then ring by ring.
@@ -81,12 +86,20 @@ impl<'a> DiskFinder<'a> {
     /// The ring around a vertex of the disk; where it is closed, from the vertex that it was found from, so that equal surroundings
     /// are met in equal order.
     fn turned_ring(&mut self, at: usize, from: u32) -> bool {
-        let is_closed = self.mesh.ring(self.level, self.disk[at], &mut self.ring);
-        if is_closed {
-            let begin = self.ring.iter().position(|&v| v == from).unwrap_or(0);
-            self.ring.rotate_left(begin);
+        let vertex = self.disk[at];
+        let (place, is_closed) = &mut self.known[vertex as usize];
+        if place.start == place.end {
+            *is_closed = self.mesh.ring(self.level, vertex, &mut self.ring);
+            let begin = self.rings_found.len() as u32;
+            *place = begin..begin + self.ring.len() as u32;
+            self.rings_found.extend_from_slice(&self.ring);
         }
-        is_closed
+        let ring = &self.rings_found[place.start as usize..place.end as usize];
+        let begin = if *is_closed { ring.iter().position(|&v| v == from).unwrap_or(0) } else { 0 };
+        self.ring.clear();
+        self.ring.extend_from_slice(&ring[begin..]);
+        self.ring.extend_from_slice(&ring[..begin]);
+        *is_closed
     }
 }
 

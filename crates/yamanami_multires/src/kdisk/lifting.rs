@@ -43,6 +43,12 @@ pub struct Lifting {
     projections: Vec<Projection>,
 }
 
+/// The cells of a level, and room for those of the next one.
+struct Work<const D: usize> {
+    cells: Vec<[f64; D]>,
+    spare: Vec<[f64; D]>,
+}
+
 impl Lifting {
     /// Prepares a wavelet. Disks are at most [`MOST_RINGS`] wide.
     pub fn new(mesh: &SemiRegular, wavelet: Wavelet) -> Self {
@@ -83,17 +89,17 @@ impl Lifting {
     pub fn analyse_vectors<const D: usize>(&self, values: &mut [[f64; D]]) {
         self.check(values);
         rayon::scope(|_| {
-            let mut cells = self.gather(values);
+            let mut work = self.gather(values);
             for level in (0..self.mesh.levels()).rev() {
                 let at = self.cells(level);
                 let details = &mut values[self.details(level)];
-                predict(at, &cells, details, -1.0);
-                self.lift(level, &mut cells, details, 1.0);
+                predict(at, &work.cells, details, -1.0);
+                self.lift(level, &mut work.cells, details, 1.0);
                 if level > 0 {
-                    cells = self.part(level - 1, &cells, values);
+                    self.part(level - 1, &mut work, values);
                 }
             }
-            values[..cells.len()].copy_from_slice(&cells);
+            values[..work.cells.len()].copy_from_slice(&work.cells);
         });
     }
 
@@ -104,20 +110,20 @@ impl Lifting {
     pub fn synthesise_vectors<const D: usize>(&self, values: &mut [[f64; D]]) {
         self.check(values);
         rayon::scope(|_| {
-            let mut cells = values[..self.mesh.vertex_count(0) as usize].to_vec();
+            let mut work = self.base_cells(values);
             for level in 0..self.mesh.levels() {
                 let at = self.cells(level);
                 let details = &mut values[self.details(level)];
-                self.lift(level, &mut cells, details, -1.0);
-                predict(at, &cells, details, 1.0);
+                self.lift(level, &mut work.cells, details, -1.0);
+                predict(at, &work.cells, details, 1.0);
                 if level + 1 < self.mesh.levels() {
-                    cells = self.join(level, &cells, values);
+                    self.join(level, &mut work, values);
                 }
             }
             for level in (0..self.mesh.levels().saturating_sub(1)).rev() {
-                cells = self.part(level, &cells, values);
+                self.part(level, &mut work, values);
             }
-            values[..cells.len()].copy_from_slice(&cells);
+            values[..work.cells.len()].copy_from_slice(&work.cells);
         });
     }
 
@@ -171,25 +177,34 @@ impl Lifting {
         new.start as usize..new.end as usize
     }
 
+    fn base_cells<const D: usize>(&self, values: &[[f64; D]]) -> Work<D> {
+        // even and odd levels take turns with the two
+        let last = self.mesh.levels().saturating_sub(1);
+        let room = |level: u32| Vec::with_capacity(self.mesh.vertex_count(level) as usize);
+        let (mut cells, spare) = (room(last & !1), room((last.saturating_sub(1) | 1).min(last)));
+        cells.extend_from_slice(&values[..self.mesh.vertex_count(0) as usize]);
+        Work { cells, spare }
+    }
+
     /// The cells of the last level but one, of vertices in their usual order.
-    fn gather<const D: usize>(&self, values: &[[f64; D]]) -> Vec<[f64; D]> {
-        let mut cells = values[..self.mesh.vertex_count(0) as usize].to_vec();
+    fn gather<const D: usize>(&self, values: &[[f64; D]]) -> Work<D> {
+        let mut work = self.base_cells(values);
         for level in 0..self.mesh.levels().saturating_sub(1) {
-            cells = self.join(level, &cells, values);
+            self.join(level, &mut work, values);
         }
-        cells
+        work
     }
 
-    fn join<const D: usize>(&self, level: u32, cells: &[[f64; D]], values: &[[f64; D]]) -> Vec<[f64; D]> {
-        let mut finer = vec![[0.0; D]; self.mesh.vertex_count(level + 1) as usize];
-        self.cells(level).join(cells, &values[self.details(level)], &mut finer);
-        finer
+    fn join<const D: usize>(&self, level: u32, work: &mut Work<D>, values: &[[f64; D]]) {
+        work.spare.resize(self.mesh.vertex_count(level + 1) as usize, [0.0; D]);
+        self.cells(level).join(&work.cells, &values[self.details(level)], &mut work.spare);
+        std::mem::swap(&mut work.cells, &mut work.spare);
     }
 
-    fn part<const D: usize>(&self, level: u32, finer: &[[f64; D]], values: &mut [[f64; D]]) -> Vec<[f64; D]> {
-        let mut cells = vec![[0.0; D]; self.mesh.vertex_count(level) as usize];
-        self.cells(level).part(finer, &mut cells, &mut values[self.details(level)]);
-        cells
+    fn part<const D: usize>(&self, level: u32, work: &mut Work<D>, values: &mut [[f64; D]]) {
+        work.spare.resize(self.mesh.vertex_count(level) as usize, [0.0; D]);
+        self.cells(level).part(&work.cells, &mut work.spare, &mut values[self.details(level)]);
+        std::mem::swap(&mut work.cells, &mut work.spare);
     }
 
     /// Adds the details' shares to the cells, or takes them away.

@@ -12,8 +12,9 @@ use super::wheel::Tap;
 use rayon::prelude::*;
 use std::ops::{Range, RangeInclusive};
 
-/// Cells that make a piece of work.
-const BAND: usize = 2048;
+/// Cells that make a piece of work, if in rows enough that what is copied around them does not outweigh them.
+const BAND: usize = 1024;
+const LEAST_ROWS: usize = 8;
 
 /// What the regular update must know of the mesh besides the cells.
 #[derive(Debug, Clone, Copy)]
@@ -53,7 +54,8 @@ struct Copied<const D: usize> {
 impl Surroundings<'_> {
     /// Adds the shares of the regular details to the cells, or takes them away.
     pub(super) fn update<const D: usize>(&self, taps: &[Tap], cells: &mut [[f64; D]], details: &[[f64; D]], sign: f64) {
-        let few = 1 + FEW / self.at.inside().clamp(1, BAND);
+        // a cell takes a few dozen products
+        let few = 1 + FEW / 16 / self.at.inside().clamp(1, BAND);
         self.bands(cells).par_iter_mut().with_min_len(few).for_each_init(
             || Copied { values: Vec::new(), offsets: Vec::new() },
             |copied, band| self.gather(taps, band, copied, details, sign),
@@ -72,7 +74,7 @@ impl Surroundings<'_> {
             let mut begin = 1;
             while begin < size - 1 {
                 let (mut end, mut count) = (begin, 0);
-                while end < size - 1 && count < BAND {
+                while end < size - 1 && (count < BAND || end - begin < LEAST_ROWS) {
                     count += size - 1 - end;
                     end += 1;
                 }
@@ -111,8 +113,8 @@ impl Surroundings<'_> {
         };
         // sums are taken beyond the end of a row, and thrown away
         let count = 3 * window.height * window.width + ABREAST;
-        copied.values.clear();
         copied.values.resize(count, [0.0; D]);
+        copied.values.as_flattened_mut().fill(0.0);
         for direction in 0..3 {
             self.copy(band, direction, window, details, &mut copied.values[direction * window.height * window.width..]);
         }

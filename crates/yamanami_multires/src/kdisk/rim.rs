@@ -30,11 +30,19 @@ impl Singles {
         let at = Cells::new(mesh.base(), level);
         let coarse = mesh.vertex_count(level);
         let mut finder = DiskFinder::new(mesh, level, rings);
+        // vertices are in many disks
+        let mut cell_of = vec![u32::MAX; coarse as usize];
         for &detail in &details {
             let Some(parents) = mesh.parents(coarse + detail) else { continue };
             let disk = finder.find(parents);
             found.stencils.push(stencils.of(&disk));
-            found.cells.extend(disk.vertices.iter().map(|&v| at.of_vertex(mesh, v) as u32));
+            for &v in disk.vertices {
+                let cell = &mut cell_of[v as usize];
+                if *cell == u32::MAX {
+                    *cell = at.of_vertex(mesh, v) as u32;
+                }
+                found.cells.push(*cell);
+            }
             found.begins.push(found.cells.len() as u32);
         }
         Self { details, ..found }

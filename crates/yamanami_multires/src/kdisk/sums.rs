@@ -64,3 +64,29 @@ pub(super) fn add_sums(to: &mut [f64], from: &[f64], taps: &[(usize, f64)], sign
     }
     add_sums_body(to, from, taps, sign);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn instructions_and_pieces_change_no_bit() {
+        let from: Vec<f64> = (0..400).map(|k| f64::from(k * k).sin()).collect();
+        let taps: Vec<(usize, f64)> = (0..40).map(|k| ((k * 37) % 190, (k as f64).cos())).collect();
+        for length in 0..150 {
+            let start: Vec<f64> = (0..length).map(f64::from).collect();
+            let mut plain = start.clone();
+            for (k, to) in plain.iter_mut().enumerate() {
+                let mut sum = 0.0;
+                for &(offset, share) in &taps {
+                    sum += share * from[k + offset];
+                }
+                *to += -0.5 * sum;
+            }
+            let (mut body, mut fast) = (start.clone(), start);
+            add_sums_body(&mut body, &from, &taps, -0.5);
+            add_sums(&mut fast, &from, &taps, -0.5);
+            assert!(body == plain && fast == plain, "{length}");
+        }
+    }
+}

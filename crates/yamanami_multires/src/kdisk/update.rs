@@ -10,7 +10,8 @@ use super::stencil::Stencils;
 use super::wheel::{Corner, Regular};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-use yamanami_core::SemiRegular;
+use std::collections::btree_map::Entry;
+use yamanami_core::{BaseMesh, SemiRegular};
 
 /// The update for a mesh.
 #[derive(Debug, Default)]
@@ -37,28 +38,19 @@ impl Update {
         let base = mesh.base();
         let mut stencils = Stencils::default();
         let regular = Regular::new(rings, &mut stencils);
-        let mut kind_of_valence = BTreeMap::new();
-        let mut corners = Vec::new();
-        let mut kind_of = Vec::with_capacity(base.vertex_count() as usize);
-        for vertex in 0..base.vertex_count() {
-            if base.is_on_border(vertex) {
-                kind_of.push(None);
-                continue;
-            }
-            let valence = base.fan(vertex).len();
-            kind_of.push(*kind_of_valence.entry(valence).or_insert_with(|| {
-                corners.push(Corner::new(valence, rings, &regular, &mut stencils)?);
-                Some(corners.len() as u32 - 1)
-            }));
-        }
+        // a level of at least so many steps is wide: no closed way of twice a disk's size that is not around a single base vertex
+        let least = 2 * rings + 3;
+        let may_be_wide = mesh.levels() > 0 && 1 << (mesh.levels() - 1) >= least;
+        let kinds = if may_be_wide { kinds(base, rings, &regular, &mut stencils) } else { None };
+        let has_kinds = kinds.is_some();
+        let (corners, kind_of) = kinds.unwrap_or_default();
         let reach = |kind: &Option<u32>| kind.map_or(rings, |kind| corners[kind as usize].reach as u32);
         let reaches: Vec<u32> = kind_of.iter().map(reach).collect();
-        let widest = reaches.iter().copied().max().unwrap_or(0).max(rings);
-        // no disk with two base vertices, nor a closed way of twice its size that is not around a single one
-        let wide = (2 * widest + 2).max(2 * rings + 3);
+        // nor a disk with two base vertices
+        let wide = least.max(2 * reaches.iter().copied().max().unwrap_or(0) + 2);
         let mut levels = Vec::new();
         for level in 0..mesh.levels() {
-            let is_wide = 1 << level >= wide;
+            let is_wide = has_kinds && 1 << level >= wide;
             let singles = if is_wide { along_border(mesh, level, rings) } else { all(mesh, level) };
             let corners = if is_wide { Corners::new(mesh, level, &corners, &kind_of) } else { Corners::default() };
             levels.push(Level { is_wide, corners, singles: Singles::new(mesh, level, rings, singles, &mut stencils) });
@@ -107,6 +99,30 @@ impl Update {
         let levels: usize = self.levels.iter().map(|l| l.corners.bytes() + l.singles.bytes()).sum();
         self.stencils.bytes() + corners + 4 * self.reaches.len() + levels
     }
+}
+
+type Kinds = (Vec<Corner>, Vec<Option<u32>>);
+
+/// The kinds of inner base vertices, and of which kind each base vertex is; none where one has more triangles than a wheel can have.
+fn kinds(base: &BaseMesh, rings: u32, regular: &Regular, stencils: &mut Stencils) -> Option<Kinds> {
+    let mut of_valence = BTreeMap::new();
+    let mut corners = Vec::new();
+    let mut kind_of = Vec::with_capacity(base.vertex_count() as usize);
+    for vertex in 0..base.vertex_count() {
+        if base.is_on_border(vertex) {
+            kind_of.push(None);
+            continue;
+        }
+        let kind = match of_valence.entry(base.fan(vertex).len()) {
+            Entry::Occupied(known) => *known.get(),
+            Entry::Vacant(new) => {
+                corners.push(Corner::new(*new.key(), rings, regular, stencils)?);
+                *new.insert(corners.len() as u32 - 1)
+            }
+        };
+        kind_of.push(Some(kind));
+    }
+    Some((corners, kind_of))
 }
 
 fn all(mesh: &SemiRegular, level: u32) -> Vec<u32> {

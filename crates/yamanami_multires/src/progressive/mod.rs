@@ -14,7 +14,7 @@ mod rings;
 use glam::DVec3;
 use predict::Prediction;
 use rayon::prelude::*;
-use rings::Rings;
+use rings::{Rings, ends};
 use yamanami_core::{DetailScheme, SemiRegular};
 
 /// Vertices that a thread takes at a time, at least.
@@ -42,11 +42,12 @@ pub fn details(mesh: &SemiRegular, positions_m: &[DVec3], scheme: &DetailScheme)
     for level in 1..=mesh.levels() {
         let step = Step::new(mesh, level, scheme, &read);
         let range = mesh.new_vertices(level);
+        let first = range.start;
         let new: Vec<[i32; 3]> = range
             .into_par_iter()
             .with_min_len(RUN)
             .map(|v| {
-                let ends = step.ends(v);
+                let ends = step.ends[(v - first) as usize];
                 // without update the coarser mesh is known as it will be read, and its error is made good
                 let detail = match scheme.update {
                     0.0 => positions_m[v as usize] - step.foretold(&read, ends),
@@ -56,7 +57,7 @@ pub fn details(mesh: &SemiRegular, positions_m: &[DVec3], scheme: &DetailScheme)
                 whole(DVec3::from(frame.map(|axis| axis.dot(detail))), step.steps_m)
             })
             .collect();
-        step.apply(&mut read, |v| new[(v - mesh.new_vertices(level).start) as usize].map(f64::from));
+        step.apply(&mut read, |v| new[(v - first) as usize].map(f64::from));
         coefficients.extend(new);
     }
     Details { coefficients, positions_m: read }
@@ -91,7 +92,7 @@ fn analysed(mesh: &SemiRegular, positions_m: &[DVec3], scheme: &DetailScheme) ->
         let rings = Rings::new(mesh, level - 1);
         let prediction = Prediction::new(scheme.predictor);
         let range = mesh.new_vertices(level);
-        let ends: Vec<[u32; 2]> = range.clone().into_par_iter().with_min_len(RUN).map(|v| ends_of(mesh, v)).collect();
+        let ends = ends(mesh, level);
         let (coarse, new) = all.split_at_mut(range.start as usize);
         new[..range.len()].par_iter_mut().zip(&ends).for_each(|(x, &ends)| *x -= prediction.at(&rings, coarse, ends));
         for (&ends, &detail) in ends.iter().zip(&*new) {
@@ -101,16 +102,14 @@ fn analysed(mesh: &SemiRegular, positions_m: &[DVec3], scheme: &DetailScheme) ->
     all
 }
 
-fn ends_of(mesh: &SemiRegular, vertex: u32) -> [u32; 2] {
-    mesh.parents(vertex).unwrap_or([vertex; 2])
-}
-
 /// One level's step from the coarser mesh to the finer.
 struct Step<'a> {
     mesh: &'a SemiRegular,
     level: u32,
     prediction: Prediction,
     rings: Rings,
+    /// By new vertex.
+    ends: Vec<[u32; 2]>,
     normals: Vec<DVec3>,
     steps_m: [f64; 3],
     update: f64,
@@ -121,11 +120,17 @@ impl<'a> Step<'a> {
         let rings = Rings::new(mesh, level - 1);
         let normals = rings.normals(coarse);
         let prediction = Prediction::new(scheme.predictor);
-        Self { mesh, level, prediction, rings, normals, steps_m: scheme.steps_m(level), update: scheme.update.into() }
-    }
-
-    fn ends(&self, vertex: u32) -> [u32; 2] {
-        ends_of(self.mesh, vertex)
+        let ends = ends(mesh, level);
+        Self {
+            mesh,
+            level,
+            prediction,
+            rings,
+            ends,
+            normals,
+            steps_m: scheme.steps_m(level),
+            update: scheme.update.into(),
+        }
     }
 
     fn foretold(&self, coarse: &[DVec3], ends: [u32; 2]) -> DVec3 {
@@ -145,6 +150,7 @@ impl<'a> Step<'a> {
     /// Adds the level's vertices, given their numbers.
     fn apply(&self, read: &mut Vec<DVec3>, numbers: impl Fn(u32) -> [f64; 3] + Sync) {
         let range = self.mesh.new_vertices(self.level);
+        let first = range.start;
         let coarse: &[DVec3] = read;
         let detail = |v: u32, ends: [u32; 2]| {
             let [a, b, c] = numbers(v);
@@ -158,7 +164,7 @@ impl<'a> Step<'a> {
         if self.update == 0.0 {
             let new: Vec<DVec3> = vertices
                 .map(|v| {
-                    let ends = self.ends(v);
+                    let ends = self.ends[(v - first) as usize];
                     self.foretold(coarse, ends) + detail(v, ends)
                 })
                 .collect();
@@ -167,7 +173,7 @@ impl<'a> Step<'a> {
         }
         let new: Vec<([u32; 2], DVec3)> = vertices
             .map(|v| {
-                let ends = self.ends(v);
+                let ends = self.ends[(v - first) as usize];
                 (ends, detail(v, ends))
             })
             .collect();

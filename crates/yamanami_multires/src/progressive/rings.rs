@@ -4,6 +4,35 @@ use glam::DVec3;
 use rayon::prelude::*;
 use yamanami_core::SemiRegular;
 
+/// The ends of the edges whose midpoints are the vertices that come with a level from 1 on, in their order.
+pub(super) fn ends(mesh: &SemiRegular, level: u32) -> Vec<[u32; 2]> {
+    let (edges, faces) = (mesh.base().edges().len(), mesh.base().triangles().len());
+    let half = 1u32 << (level - 1);
+    let run = (half * (half - 1) / 2) as usize;
+    let mut all = vec![[0; 2]; edges * half as usize + faces * 3 * run];
+    let (on_edges, inside) = all.split_at_mut(edges * half as usize);
+    on_edges.par_chunks_mut(half as usize).enumerate().for_each(|(edge, own)| {
+        for (i, ends) in (0..).zip(own) {
+            *ends = [2 * i, 2 * i + 2].map(|at| mesh.edge_vertex(level, edge as u32, at));
+        }
+    });
+    if run > 0 {
+        inside.par_chunks_mut(3 * run).enumerate().for_each(|(face, own)| {
+            let mut own = own.iter_mut();
+            let mut put = |ends: [[u32; 2]; 2]| {
+                if let Some(next) = own.next() {
+                    *next = ends.map(|at| mesh.vertex(level, face as u32, at));
+                }
+            };
+            let rows = || (0..half - 1).flat_map(|row| (0..half - 1 - row).map(move |column| [2 * column, 2 * row]));
+            rows().for_each(|[a, b]| put([[a, b + 2], [a + 2, b + 2]]));
+            rows().for_each(|[a, b]| put([[a + 2, b], [a, b + 2]]));
+            rows().for_each(|[a, b]| put([[a + 2, b + 2], [a + 2, b]]));
+        });
+    }
+    all
+}
+
 /// Vertices whose rings are found at a time.
 const RUN: usize = 4096;
 
