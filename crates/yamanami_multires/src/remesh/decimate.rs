@@ -26,6 +26,9 @@ const BORDER_WEIGHT: f64 = 4.0;
 /// The least quality that a new triangle may have in the plane of its step; an equilateral one has 1.
 const LEAST_FLAT_QUALITY: f64 = 1e-3;
 
+/// The least that it may have in space, unless a triangle before has less than twice its own.
+const LEAST_QUALITY: f64 = 0.1;
+
 /// Neighbours beyond which a vertex that gains them is dear.
 const GOOD_NEIGHBOURS: usize = 7;
 
@@ -39,6 +42,16 @@ pub(super) struct Decimated {
     pub(super) triangles: Vec<[u32; 3]>,
     /// The way back.
     pub(super) history: History,
+}
+
+impl Decimated {
+    /// Takes steps back until about so many triangles are there again.
+    pub(super) fn go_back(&mut self, faces: usize) {
+        let left = self.triangles.iter().filter(|t| t[0] != GONE).count();
+        let begin = self.history.before(self.history.len(), left, faces);
+        self.history.undo(begin..self.history.len(), &mut self.triangles);
+        self.history.truncate(begin);
+    }
 }
 
 /// A vertex's best move.
@@ -159,9 +172,11 @@ impl Decimator<'_> {
         let [from, to] = [vertex, onto].map(|v| self.positions[v as usize]);
         let quadric = self.quadrics[vertex as usize] + self.quadrics[onto as usize];
         let mut turn = DVec3::ZERO;
+        let mut worst_before = 1.0f64;
         for t in 0..star.corners.len() {
-            let [b, c] = [t, star.after(t)].map(|k| self.positions[star.ring[k] as usize]);
-            turn += (b - from).cross(c - from);
+            let (twice_area, quality) = shape([t, star.after(t)].map(|k| self.positions[star.ring[k] as usize]), from);
+            turn += twice_area;
+            worst_before = worst_before.min(quality);
         }
         let bend = quadric.at(to);
         let even = (self.areas[vertex as usize] + self.areas[onto as usize]) * 2.6 * from.distance_squared(to);
@@ -176,17 +191,18 @@ impl Decimator<'_> {
             if flat_quality([star.flat[k], star.flat[i], star.flat[j]]) < LEAST_FLAT_QUALITY {
                 return None;
             }
-            let [b, c] = [i, j].map(|k| self.positions[star.ring[k] as usize]);
-            let twice_area = (b - to).cross(c - to);
-            let sides = (b - to).length_squared() + (c - b).length_squared() + (to - c).length_squared();
-            worst = worst.min(quality(twice_area.length(), sides));
+            let (twice_area, quality) = shape([i, j].map(|k| self.positions[star.ring[k] as usize]), to);
+            worst = worst.min(quality);
             least_facing = least_facing.min(twice_area.normalize_or_zero().dot(normal));
             count += 1;
+        }
+        if worst < LEAST_QUALITY.min(0.5 * worst_before) {
+            return None;
         }
         if count == 0 || !self.keeps_surface(vertex, star, k) {
             return None;
         }
-        let shape = 1.0 / worst.max(1e-3);
+        let shape = 1.0 / worst.max(1e-3).powi(2);
         let fold = if least_facing < 0.3 { 1.0 + 10.0 * (0.3 - least_facing) } else { 1.0 };
         let neighbours = self.stars.of(onto).len() + count - star.corners.len().saturating_sub(count);
         let crowd = neighbours.saturating_sub(GOOD_NEIGHBOURS) as f64;
@@ -302,6 +318,13 @@ impl Decimator<'_> {
 /// How near a triangle is to an equilateral one, from twice its area and the sum of its squared sides.
 fn quality(twice_area: f64, squared_sides: f64) -> f64 {
     if squared_sides > 0.0 { 2.0 * 3f64.sqrt() * twice_area / squared_sides } else { 0.0 }
+}
+
+/// Twice the area vector of a triangle and its quality.
+fn shape([b, c]: [DVec3; 2], a: DVec3) -> (DVec3, f64) {
+    let twice_area = (b - a).cross(c - a);
+    let sides = a.distance_squared(b) + b.distance_squared(c) + c.distance_squared(a);
+    (twice_area, quality(twice_area.length(), sides))
 }
 
 fn flat_quality([a, b, c]: [[f64; 2]; 3]) -> f64 {

@@ -75,6 +75,16 @@ impl History {
         0
     }
 
+    /// Forgets all steps from one on.
+    pub(super) fn truncate(&mut self, steps: usize) {
+        let end = self.step(steps);
+        self.steps.truncate(steps);
+        self.points.truncate(end.points as usize);
+        self.vertices.truncate(end.points as usize);
+        self.before.truncate(end.before as usize);
+        self.after.truncate(end.after as usize);
+    }
+
     /// Undoes steps on the triangles.
     pub(super) fn undo(&self, steps: Range<usize>, triangles: &mut [[u32; 3]]) {
         for number in steps.rev() {

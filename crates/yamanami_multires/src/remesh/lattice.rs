@@ -39,12 +39,13 @@ pub(super) fn base_mesh(source: &Source, decimated: &Decimated) -> Result<BaseMe
 /// The places on the source of all vertices up to a level. `progress` hears of the share done.
 pub(super) fn places(
     source: &Source,
-    decimated: Decimated,
+    decimated: &Decimated,
     topology: &SemiRegular,
     level: u32,
     progress: &dyn Fn(f32),
 ) -> Result<Vec<Place>, BaseFault> {
-    let Decimated { mut triangles, history } = decimated;
+    let Decimated { triangles, history } = decimated;
+    let mut triangles = triangles.clone();
     let mut end = history.len();
     let mut faces = topology.base().triangles().len();
     let mut at_level = AHEAD.min(level);

@@ -17,18 +17,20 @@ pub(super) fn samples(from: &TriangleMesh, to: &Judge<'_>) -> Samples {
     let middles = (0..from.triangles.len()).map(|t| from.corners(t).iter().sum::<DVec3>() / 3.0);
     let at: Vec<DVec3> = from.positions.iter().copied().chain(middles).collect();
     let distances = to.distances_m(&at);
-    let (mut sum, mut area) = (0.0, 0.0);
+    let (mut sum, mut area, mut greatest_m) = (0.0, 0.0, 0.0f64);
     let (of_vertices, of_middles) = distances.split_at(from.positions.len());
     for (t, corners) in from.triangles.iter().enumerate() {
         let [a, b, c] = from.corners(t);
         let weight = (b - a).cross(c - a).length();
+        // vertices that no triangle uses are no part of the surface
+        greatest_m = corners.iter().map(|&v| of_vertices[v as usize]).fold(greatest_m.max(of_middles[t]), f64::max);
         // exact for squares of what is linear in the triangle
         let corners: f64 = corners.iter().map(|&v| of_vertices[v as usize].powi(2)).sum();
         sum += weight * (corners / 12.0 + 0.75 * of_middles[t].powi(2));
         area += weight;
     }
     let rms_m = if area > 0.0 { (sum / area).sqrt() } else { 0.0 };
-    Samples { rms_m, greatest_m: distances.iter().copied().fold(0.0, f64::max) }
+    Samples { rms_m, greatest_m }
 }
 
 /// What kind of surface a mesh is.

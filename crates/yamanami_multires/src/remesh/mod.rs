@@ -21,6 +21,7 @@ mod walk;
 
 use crate::MultiresError;
 use crate::bound::Judge;
+use decimate::Decimated;
 use glam::DVec3;
 pub use measure::SurfaceKind;
 use net::Net;
@@ -28,13 +29,20 @@ use source::Source;
 use yamanami_core::{SemiRegular, TriangleMesh};
 
 /// Faces of a base mesh, at least: for any, for each handle, for each part and line of border.
-const LEAST_BASE: [usize; 3] = [48, 24, 8];
+const LEAST_BASE: [usize; 3] = [48, 120, 8];
 
 /// Faces of the net that is evened out, at least, if there are so many: fine enough to feel thin parts.
 const FINE_FACES: usize = 60_000;
 
 /// Faces from which on vertices are displaced along normals: enough to have an idea of the shape.
 const PARAMETRIC_FACES: usize = 4000;
+
+/// A root mean square of the distances, over the diagonal, with which a base mesh is large enough.
+const GOOD_RMS: f64 = 1e-4;
+
+/// Base meshes that are tried, each four times as large as the one before, and the levels below which no larger one is.
+const MOST_ATTEMPTS: usize = 3;
+const LEAST_LEVELS: u32 = 3;
 
 /// Most levels.
 const MOST_LEVELS: u32 = 12;
@@ -123,8 +131,8 @@ impl Remeshed {
 }
 
 /// Remeshes a surface. It must be one: at most two triangles at an edge, one fan at a vertex, all facing one way; parts that only
-/// look joined because vertices lie at one place are apart. The result depends on mesh and options only, never on the number of
-/// threads.
+/// look joined because vertices lie at one place are apart. Where the base mesh is left to this function and turns out too small for
+/// the shape, larger ones are tried. The result depends on mesh and options only, never on the number of threads.
 pub fn remesh(mesh: &TriangleMesh, options: &RemeshOptions<'_>) -> Result<Remeshed, MultiresError> {
     let progress = |share: f32| {
         if let Some(progress) = options.progress {
@@ -133,34 +141,64 @@ pub fn remesh(mesh: &TriangleMesh, options: &RemeshOptions<'_>) -> Result<Remesh
     };
     let source = Source::new(mesh)?;
     let faces = source.triangles().len();
-    let source_kind = SurfaceKind::of(&source.surface);
-    let target = base_faces(options, faces, source_kind);
-    let decimating = |left: usize| progress(0.5 * (faces - left) as f32 / (faces - target.min(faces)).max(1) as f32);
-    let decimated = decimate::decimate(&source, target, &decimating);
+    let kind = SurfaceKind::of(&source.surface);
+    let target = base_faces(options, faces, kind);
+    let decimating = |left: usize| progress(0.4 * (faces - left) as f32 / (faces - target.min(faces)).max(1) as f32);
+    let mut decimated = decimate::decimate(&source, target, &decimating);
+    let mut best: Option<Remeshed> = None;
+    for attempt in 0..MOST_ATTEMPTS {
+        let (from, share) = [(0.4, 0.3), (0.7, 0.2), (0.9, 0.1)][attempt];
+        let laying = |done: f32| progress(from + share * done);
+        let found = lay(mesh, &source, kind, &decimated, options.levels, &laying)?;
+        let RemeshReport { base_faces, levels, .. } = found.report;
+        let is_good = found.report.rms_m() <= GOOD_RMS * source.diagonal_m();
+        if best.as_ref().is_none_or(|b| found.report.rms_m() < b.report.rms_m()) {
+            best = Some(found);
+        }
+        if is_good || options.base_faces.is_some() || levels <= LEAST_LEVELS {
+            break;
+        }
+        decimated.go_back(4 * base_faces);
+    }
+    progress(1.0);
+    best.ok_or(MultiresError::NoTriangles { triangles: mesh.triangles.len() })
+}
+
+/// Lays a semi-regular mesh over the source, on the base mesh that is left.
+fn lay(
+    mesh: &TriangleMesh,
+    source: &Source,
+    source_kind: SurfaceKind,
+    decimated: &Decimated,
+    levels: Option<u32>,
+    progress: &dyn Fn(f32),
+) -> Result<Remeshed, MultiresError> {
+    let faces = source.triangles().len();
     let too_large = |faces: usize| MultiresError::TooLargeToRemesh { triangles: faces };
-    let base = lattice::base_mesh(&source, &decimated).map_err(|_| too_large(faces))?;
+    let base = lattice::base_mesh(source, decimated).map_err(|_| too_large(faces))?;
     let result_kind = SurfaceKind::of(&base);
     let base_faces = base.triangles().len();
-    let levels = options.levels.unwrap_or_else(|| levels_for(base_faces, faces));
+    let levels = levels.unwrap_or_else(|| levels_for(base_faces, faces));
     if levels > MOST_LEVELS || base_faces << (2 * levels) > 1 << 30 {
         return Err(too_large(base_faces.saturating_mul(1 << (2 * levels.min(20)))));
     }
     let topology = SemiRegular::new(base, levels).map_err(|_| too_large(base_faces << (2 * levels)))?;
-    progress(0.5);
 
-    let fine_level = (0..levels).find(|&l| topology.triangle_count(l) as usize >= FINE_FACES).unwrap_or(levels);
-    let laying = |share: f32| progress(0.5 + 0.3 * share);
-    let places = lattice::places(&source, decimated, &topology, fine_level, &laying).map_err(|_| too_large(faces))?;
-    let fine = Net::new(&source, &topology, fine_level, places);
-    let parametric_level =
-        (0..fine_level).find(|&l| topology.triangle_count(l) as usize >= PARAMETRIC_FACES).unwrap_or(fine_level);
+    let level_of = |least: usize, most: u32| {
+        (0..most).find(|&level| topology.triangle_count(level) as usize >= least).unwrap_or(most)
+    };
+    let fine_level = level_of(FINE_FACES, levels);
+    let laying = |share: f32| progress(0.7 * share);
+    let places = lattice::places(source, decimated, &topology, fine_level, &laying).map_err(|_| too_large(faces))?;
+    let fine = Net::new(source, &topology, fine_level, places);
+    let parametric_level = level_of(PARAMETRIC_FACES, fine_level);
     let mut net = fine.coarser(parametric_level);
     let mut normal = 0;
-    for level in parametric_level..levels {
-        let is_normal = refine::refine(&mut net, &fine);
-        normal += is_normal.iter().filter(|&&n| n).count();
-        progress(0.8 + 0.15 * (level + 1 - parametric_level) as f32 / (levels - parametric_level) as f32);
+    for _ in parametric_level..levels {
+        normal += refine::refine(&mut net, &fine).iter().filter(|&&is_normal| is_normal).count();
     }
+    progress(0.9);
+
     let folded_faces = net.folded();
     let colours = if source.colours.is_empty() {
         Vec::new()
@@ -169,8 +207,8 @@ pub fn remesh(mesh: &TriangleMesh, options: &RemeshOptions<'_>) -> Result<Remesh
     };
     let positions: Vec<DVec3> = net.positions.iter().map(|&p| source.metres(p)).collect();
     let result = TriangleMesh::new(positions, topology.triangles(levels));
-    let (to_result, to_source) =
-        (measure::samples(mesh, &Judge::new(&result)), measure::samples(&result, &Judge::new(mesh)));
+    let to_result = measure::samples(mesh, &Judge::new(&result));
+    let to_source = measure::samples(&result, &Judge::new(mesh));
     let report = RemeshReport {
         source_faces: faces,
         base_faces,
@@ -185,7 +223,6 @@ pub fn remesh(mesh: &TriangleMesh, options: &RemeshOptions<'_>) -> Result<Remesh
         source_kind,
         result_kind,
     };
-    progress(1.0);
     Ok(Remeshed { topology, positions: result.positions, colours, report })
 }
 

@@ -10,6 +10,9 @@ const MOST_STEPS: usize = 1 << 14;
 /// Triangles that a line is looked for in: without this a walk could go round in circles.
 const MOST_PIERCED: usize = 256;
 
+/// How far a walk along the border goes, by the distance of its target.
+const BORDER_WAY: f64 = 3.0;
+
 /// Triangles that a straight way goes over, at most.
 const MOST_TRACED: usize = 4096;
 
@@ -103,45 +106,51 @@ fn nearest_shares(p: DVec3, [a, b, c]: [DVec3; 3]) -> [f64; 3] {
     if sum > 0.0 && sum.is_finite() { [va / sum, vb / sum, vc / sum] } else { [1.0, 0.0, 0.0] }
 }
 
-/// The point of the border nearest to `target` that is reached along it; none where the place is not at the border.
+/// The point of the border nearest to `target` on the way along it, a few times as far as the target is away: borders of scans are
+/// ragged, and a walk that must always come nearer would be caught. None where the place is not at the border.
 pub(super) fn descend_border(source: &Source, from: Place, target: DVec3) -> Option<Found> {
-    let mut side = border_side(source, from)?;
-    let mut best = nearest_of_side(source, side, target);
-    for _ in 0..MOST_STEPS {
-        let shares = best.place.shares;
-        let forwards = shares[(side.1 + 1) % 3] >= 1.0;
-        let backwards = shares[side.1] >= 1.0;
-        if !forwards && !backwards {
-            break;
+    let start = border_side(source, from)?;
+    let mut best = nearest_of_side(source, start, target);
+    let farthest = BORDER_WAY * source.position(from).distance(target);
+    for forwards in [true, false] {
+        let (mut side, mut gone) = (start, 0.0);
+        for _ in 0..MOST_STEPS {
+            let corners = source.triangles()[side.0 as usize];
+            // a fan goes from the border edge that leaves its vertex to the one that comes into it
+            let next = if forwards {
+                source.surface.fan(corners[(side.1 + 1) % 3]).first().map(|&(t, k)| (t, usize::from(k)))
+            } else {
+                source.surface.fan(corners[side.1]).last().map(|&(t, k)| (t, (usize::from(k) + 2) % 3))
+            };
+            side = next.filter(|&next| next != start && gone <= farthest).unwrap_or(start);
+            if side == start {
+                break;
+            }
+            let at = source.corners(side.0);
+            gone += at[side.1].distance(at[(side.1 + 1) % 3]);
+            let there = nearest_of_side(source, side, target);
+            if there.distance2 < best.distance2 {
+                best = there;
+            }
         }
-        let corners = source.triangles()[side.0 as usize];
-        // a fan goes from the border edge that leaves its vertex to the one that comes into it
-        let next = if forwards {
-            source.surface.fan(corners[(side.1 + 1) % 3]).first().map(|&(t, k)| (t, usize::from(k)))
-        } else {
-            source.surface.fan(corners[side.1]).last().map(|&(t, k)| (t, (usize::from(k) + 2) % 3))
-        };
-        let Some(next) = next else { break };
-        let there = nearest_of_side(source, next, target);
-        if there.distance2 >= best.distance2 {
-            break;
-        }
-        (side, best) = (next, there);
     }
     Some(best)
 }
 
-/// The border side that a place lies on, but for rounding.
+/// The border side that a place lies on, but for rounding: a side of its triangle, or one at the corner where it is.
 fn border_side(source: &Source, place: Place) -> Option<(u32, usize)> {
-    let open = (0..3).filter(|&side| source.across(place.triangle, side).is_none());
-    let apart = |side: usize| place.shares[(side + 2) % 3];
-    if let Some(side) = open.min_by(|&s, &t| apart(s).total_cmp(&apart(t))) {
-        return Some((place.triangle, side));
-    }
-    let corners = source.triangles()[place.triangle as usize];
+    let Place { triangle, shares } = place;
+    let least = |ways: &mut dyn Iterator<Item = (f64, usize)>| ways.min_by(|a, b| a.0.total_cmp(&b.0));
+    let open = (0..3).filter(|&side| source.across(triangle, side).is_none());
+    let side = least(&mut open.map(|side| (shares[(side + 2) % 3], side)));
+    let corners = source.triangles()[triangle as usize];
     let on_border = (0..3).filter(|&k| source.surface.is_on_border(corners[k]));
-    let corner = on_border.max_by(|&j, &k| place.shares[j].total_cmp(&place.shares[k]))?;
-    source.surface.fan(corners[corner]).first().map(|&(t, k)| (t, usize::from(k)))
+    let corner = least(&mut on_border.map(|k| (1.0 - shares[k], k)));
+    match (side, corner) {
+        (Some(side), Some(corner)) if side.0 <= corner.0 => Some((triangle, side.1)),
+        (_, Some(corner)) => source.surface.fan(corners[corner.1]).first().map(|&(t, k)| (t, usize::from(k))),
+        (side, None) => side.map(|side| (triangle, side.1)),
+    }
 }
 
 fn nearest_of_side(source: &Source, (triangle, side): (u32, usize), target: DVec3) -> Found {
