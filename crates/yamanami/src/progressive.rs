@@ -83,6 +83,9 @@ pub fn encode_progressive(
     if positions_m.len() != count {
         return Err(Error::Request(format!("{count} vertices expected, {} given", positions_m.len())));
     }
+    if count == 0 {
+        return Err(Error::Request("a model with triangles expected, an empty one given".into()));
+    }
     if let Some(v) = positions_m.iter().position(|p| !p.is_finite()) {
         return Err(Error::Request(format!("vertex {v}: finite coordinates expected, {} given", positions_m[v])));
     }

@@ -153,6 +153,8 @@ fn what_makes_no_sense_is_refused() {
     assert!(error(&positions_m[1..], &usual).contains("15 vertices expected"));
     assert!(error(&positions_m, &ProgressiveOptions { precision: 0.0, ..usual.clone() }).contains("precision"));
     assert!(error(&positions_m, &ProgressiveOptions { level_ratio: -1.0, ..usual.clone() }).contains("ratio"));
+    let empty = SemiRegular::new(BaseMesh::new(0, Vec::new()).unwrap(), 2).unwrap();
+    assert!(encode_progressive(&empty, &[], &usual).unwrap_err().to_string().contains("empty"));
     positions_m[3].y = f64::NAN;
     assert!(error(&positions_m, &usual).contains("vertex 3"));
 }
