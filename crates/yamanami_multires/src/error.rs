@@ -71,7 +71,7 @@ pub enum MultiresError {
         most: u64,
     },
     /// A mesh that is not a surface with or without border, facing one way.
-    #[error("not a surface at ({:.3}, {:.3}, {:.3}): {what}", place_m[0], place_m[1], place_m[2])]
+    #[error("not a surface at ({:.6}, {:.6}, {:.6}): {what}", place_m[0], place_m[1], place_m[2])]
     NotASurface {
         /// What is wrong, with numbers of vertices or triangles.
         what: String,
@@ -93,36 +93,6 @@ pub enum MultiresError {
         vertices: usize,
         /// How many were given.
         given: usize,
-    },
-    /// More than two triangles at an edge: no surface.
-    #[error("{triangles} triangles meet at the edge between vertices {} and {}, at {at:?}: expected at most 2", ends[0], ends[1])]
-    NotManifoldEdge {
-        /// Ends of the edge.
-        ends: [u32; 2],
-        /// Triangles at it.
-        triangles: usize,
-        /// Its middle, metres.
-        at: [f64; 3],
-    },
-    /// Parts of the surface touch at one vertex alone.
-    #[error("parts of the surface touch at vertex {vertex} alone, at {at:?}: expected one fan of triangles around it")]
-    NotManifoldVertex {
-        /// The vertex.
-        vertex: u32,
-        /// Its place, metres.
-        at: [f64; 3],
-    },
-    /// Two neighbours face different ways.
-    #[error(
-        "the two triangles at the edge between vertices {} and {}, at {at:?}, face different ways: turn them over, unless the \
-         surface is one-sided",
-        ends[0], ends[1]
-    )]
-    NotOriented {
-        /// Ends of the edge.
-        ends: [u32; 2],
-        /// Its middle, metres.
-        at: [f64; 3],
     },
     /// The numbers of vertices and triangles of what is remeshed, and of the result, must fit in 30 bits.
     #[error(

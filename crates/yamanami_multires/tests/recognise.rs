@@ -122,12 +122,12 @@ fn what_is_no_surface_is_refused_with_its_place() {
     };
     assert_eq!(
         complaint(&[[4, 1, 2], [4, 1, 3]]),
-        "not a surface at (1.000, 0.500, 0.500): more than two triangles, or two that face different ways, meet at the edge of \
+        "not a surface at (1.000000, 0.500000, 0.500000): more than two triangles, or two that face different ways, meet at the edge of \
          vertices 4 and 1"
     );
     assert_eq!(
         complaint(&[[2, 0, 1], [2, 3, 4]]),
-        "not a surface at (0.000, 1.000, 0.000): parts touch at vertex 2 alone"
+        "not a surface at (0.000000, 1.000000, 0.000000): parts touch at vertex 2 alone"
     );
     assert!(complaint(&[[1, 2, 1]]).contains("triangle 0 has the corners [1, 2, 1]"));
     assert!(complaint(&[[1, 2, 5]]).contains("names vertex 5"));

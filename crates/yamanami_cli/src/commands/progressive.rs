@@ -14,6 +14,8 @@ use yamanami::{ProgressiveFile, ProgressiveOptions, SemiRegularModel, Subject, W
 
 /// Tries for an error asked for: each is half as coarse as the one before.
 const MOST_TRIES: u32 = 6;
+/// Faces up to which the remeshed scan is a level finer than the scan: its accuracy is the most that the file can have.
+const MOST_FINER_FACES: usize = 4_000_000;
 /// The whole file's error is about so many of its units along the normal.
 const ERROR_UNITS: f64 = 3.0;
 
@@ -26,7 +28,8 @@ pub(super) fn build(args: &BuildArgs, file: &Path) -> Result<(), Failure> {
     let (faces, vertices) = (mesh.triangles.len(), mesh.positions.len());
     remesh::mend(&mut mesh);
     let title = file.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
-    let (model, report) = wavelet::semi_regular(&mesh, file, title, Some(&args.remesh))?;
+    let how = args.remesh.finer(u32::from(4 * mesh.triangles.len() <= MOST_FINER_FACES));
+    let (model, report) = wavelet::semi_regular(&mesh, file, title, Some(&how))?;
     drop(mesh);
     let encoding = Instant::now();
     let coded = {

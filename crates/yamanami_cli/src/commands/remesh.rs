@@ -46,11 +46,20 @@ pub(crate) struct RemeshArgs {
     /// Times that they are split; else until there are about as many as in the source
     #[arg(long, value_name = "J", value_parser = clap::value_parser!(u32).range(1..=12))]
     levels: Option<u32>,
+    /// Levels more than the source's faces ask for
+    #[arg(skip)]
+    finer: u32,
 }
 
 impl RemeshArgs {
+    /// The same, `finer` levels more where their number is left open.
+    pub(crate) fn finer(&self, finer: u32) -> Self {
+        Self { finer, ..self.clone() }
+    }
+
     pub(crate) fn options<'a>(&self, progress: &'a (dyn Fn(f32) + Sync)) -> RemeshOptions<'a> {
-        RemeshOptions { base_faces: self.base_faces, levels: self.levels, progress: Some(progress) }
+        let Self { base_faces, levels, finer } = *self;
+        RemeshOptions { base_faces, levels, finer, progress: Some(progress) }
     }
 }
 

@@ -55,6 +55,8 @@ pub struct RemeshOptions<'a> {
     pub base_faces: Option<usize>,
     /// How often the base mesh is split. By default until there are about as many faces as the source has.
     pub levels: Option<u32>,
+    /// So many levels more than the source's number of faces asks for. Without meaning where `levels` is given.
+    pub finer: u32,
     /// Hears of the share done, 0 to 1.
     pub progress: Option<&'a (dyn Fn(f32) + Sync)>,
 }
@@ -64,6 +66,7 @@ impl std::fmt::Debug for RemeshOptions<'_> {
         f.debug_struct("RemeshOptions")
             .field("base_faces", &self.base_faces)
             .field("levels", &self.levels)
+            .field("finer", &self.finer)
             .finish_non_exhaustive()
     }
 }
@@ -149,7 +152,7 @@ pub fn remesh(mesh: &TriangleMesh, options: &RemeshOptions<'_>) -> Result<Remesh
     for attempt in 0..MOST_ATTEMPTS {
         let (from, share) = [(0.4, 0.3), (0.7, 0.2), (0.9, 0.1)][attempt];
         let laying = |done: f32| progress(from + share * done);
-        let found = lay(mesh, &source, kind, &decimated, options.levels, &laying)?;
+        let found = lay(mesh, &source, kind, &decimated, options, &laying)?;
         let RemeshReport { base_faces, levels, .. } = found.report;
         let is_good = found.report.rms_m() <= GOOD_RMS * source.diagonal_m();
         if best.as_ref().is_none_or(|b| found.report.rms_m() < b.report.rms_m()) {
@@ -170,7 +173,7 @@ fn lay(
     source: &Source,
     source_kind: SurfaceKind,
     decimated: &Decimated,
-    levels: Option<u32>,
+    options: &RemeshOptions<'_>,
     progress: &dyn Fn(f32),
 ) -> Result<Remeshed, MultiresError> {
     let faces = source.triangles().len();
@@ -178,7 +181,7 @@ fn lay(
     let base = lattice::base_mesh(source, decimated).map_err(|_| too_large(faces))?;
     let result_kind = SurfaceKind::of(&base);
     let base_faces = base.triangles().len();
-    let levels = levels.unwrap_or_else(|| levels_for(base_faces, faces));
+    let levels = options.levels.unwrap_or_else(|| levels_for(base_faces, faces).saturating_add(options.finer));
     if levels > MOST_LEVELS || base_faces << (2 * levels) > 1 << 30 {
         return Err(too_large(base_faces.saturating_mul(1 << (2 * levels.min(20)))));
     }

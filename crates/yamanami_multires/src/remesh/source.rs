@@ -1,6 +1,7 @@
 //! The surface that is remeshed: its triangles with their neighbours, its normals, and places on it.
 
 use crate::MultiresError;
+use crate::semi_regular::{not_a_surface, renumbered};
 use glam::DVec3;
 use yamanami_core::{Aabb, BaseFault, BaseMesh, TriangleMesh};
 
@@ -79,24 +80,8 @@ impl Source {
         }
         let unit = |&v: &u32| (mesh.positions[v as usize] - centre) / diagonal_m;
         let positions: Vec<DVec3> = kept.iter().map(unit).collect();
-        let fault = |fault: BaseFault| match fault {
-            BaseFault::BadEdge { ends } => {
-                let [a, b] = ends.map(|v| kept[v as usize]);
-                let at = (mesh.positions[a as usize] + mesh.positions[b as usize]) * 0.5;
-                let same = triangles.iter().filter(|t| ends.iter().all(|v| t.contains(v))).count();
-                if same > 2 {
-                    MultiresError::NotManifoldEdge { ends: [a, b], triangles: same, at: at.to_array() }
-                } else {
-                    MultiresError::NotOriented { ends: [a, b], at: at.to_array() }
-                }
-            }
-            BaseFault::PinchedVertex { vertex } => MultiresError::NotManifoldVertex {
-                vertex: kept[vertex as usize],
-                at: mesh.positions[kept[vertex as usize] as usize].to_array(),
-            },
-            _ => MultiresError::TooLargeToRemesh { triangles: triangles.len() },
-        };
-        let surface = BaseMesh::new(positions.len() as u32, triangles.clone()).map_err(fault)?;
+        let surface = BaseMesh::new(positions.len() as u32, triangles)
+            .map_err(|fault| not_a_surface(renumbered(fault, |v| kept[v as usize]), mesh))?;
         let colours = if mesh.colours.is_empty() {
             Vec::new()
         } else {

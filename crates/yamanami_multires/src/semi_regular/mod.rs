@@ -12,4 +12,5 @@ mod triangle;
 
 pub use front::{Thresholded, close, thresholded};
 pub use recognise::{Recognised, recognise};
+pub(crate) use recognise::{not_a_surface, renumbered};
 pub use surface::SemiRegularSurface;

@@ -81,17 +81,19 @@ fn surface_of(mesh: &TriangleMesh) -> Result<(BaseMesh, Vec<u32>), MultiresError
         number[old as usize] = new as u32;
     }
     let triangles = mesh.triangles.iter().map(|t| t.map(|v| number[v as usize])).collect();
-    let back = |vertex: u32| used[vertex as usize];
-    let whole = BaseMesh::new(used.len() as u32, triangles).map_err(|fault| {
-        let fault = match fault {
-            BaseFault::BadEdge { ends } => BaseFault::BadEdge { ends: ends.map(back) },
-            BaseFault::PinchedVertex { vertex } => BaseFault::PinchedVertex { vertex: back(vertex) },
-            BaseFault::UnusedVertex { vertex } => BaseFault::UnusedVertex { vertex: back(vertex) },
-            other => other,
-        };
-        not_a_surface(fault, mesh)
-    })?;
+    let whole = BaseMesh::new(used.len() as u32, triangles)
+        .map_err(|fault| not_a_surface(renumbered(fault, |v| used[v as usize]), mesh))?;
     Ok((whole, used))
+}
+
+/// A fault in terms of other numbers of the vertices.
+pub(crate) fn renumbered(fault: BaseFault, number: impl Fn(u32) -> u32) -> BaseFault {
+    match fault {
+        BaseFault::BadEdge { ends } => BaseFault::BadEdge { ends: ends.map(number) },
+        BaseFault::PinchedVertex { vertex } => BaseFault::PinchedVertex { vertex: number(vertex) },
+        BaseFault::UnusedVertex { vertex } => BaseFault::UnusedVertex { vertex: number(vertex) },
+        other => other,
+    }
 }
 
 /// Says what is wrong with a mesh, and where.
