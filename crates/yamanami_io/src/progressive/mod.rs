@@ -20,6 +20,10 @@ use yamanami_core::SemiRegular;
 pub use base::{Renumbered, renumber};
 pub use header::ProgressiveMeta;
 
+/// Vertices that any file may have, and those that each byte there is pays for: a few bytes must not claim gigabytes.
+const FREE_VERTICES: u64 = 1 << 20;
+const VERTICES_A_BYTE: u64 = 512;
+
 /// How much a reader takes on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ProgressiveLimits {
@@ -84,9 +88,11 @@ pub fn encode(mesh: &SemiRegular, coefficients: &[[i32; 3]], meta: &ProgressiveM
 
 /// Reads a file, or as much of its beginning as there is, down to an error when that is not the whole head. `name` is for messages.
 ///
-/// Safe on any bytes: never panics, and allocates no more than the limits allow.
+/// Safe on any bytes: never panics, and allocates no more than the limits allow and the bytes there are pay for: a million vertices, and 512
+/// for each byte.
 pub fn decode(name: &Path, bytes: &[u8], limits: ProgressiveLimits) -> Result<ProgressiveModel, IoError> {
-    let (header, rest) = header::Header::read(name, bytes, limits.vertices)?;
+    let paid_for = FREE_VERTICES + VERTICES_A_BYTE * bytes.len() as u64;
+    let (header, rest) = header::Header::read(name, bytes, limits.vertices.min(paid_for))?;
     let head_bytes = (bytes.len() - rest.len()) as u64;
     let body = &rest[..rest.len().min(usize::try_from(header.body_bytes).unwrap_or(usize::MAX))];
     let is_whole = body.len() as u64 == header.body_bytes;
