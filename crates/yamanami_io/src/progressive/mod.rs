@@ -2,7 +2,7 @@
 //! exactly.
 //!
 //! [`renumber`] gives a mesh the numbers that its file will have, [`encode`] makes the bytes, [`decode`] reads as many as there are,
-//! [`write`] puts them into a file. `docs/format.md` says what each byte means.
+//! [`write()`] puts them into a file. `docs/format.md` says what each byte means.
 
 mod base;
 mod coder;
