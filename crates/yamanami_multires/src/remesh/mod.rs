@@ -6,6 +6,7 @@
 //! Khodakovsky, Schröder, Sweldens, "Progressive Geometry Compression", 2000 (what it is good for).
 
 mod decimate;
+mod density;
 mod even;
 mod history;
 mod lattice;
