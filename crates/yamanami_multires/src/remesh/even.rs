@@ -75,6 +75,7 @@ fn own_move(net: &Net<'_>, level: u32, v: u32, lengths: &[f64], near: &mut Vec<u
         net.topology.ring(level + 1, v, between);
     }
     let (at, normal) = (net.positions[v as usize], net.normals[v as usize]);
+    let density = net.source.density(net.places[v as usize]);
     let (mut sum, mut weights, mut longest) = (DVec3::ZERO, 0.0, f64::INFINITY);
     let last = near.len() - 1;
     for k in 0..near.len() {
@@ -83,12 +84,12 @@ fn own_move(net: &Net<'_>, level: u32, v: u32, lengths: &[f64], near: &mut Vec<u
         }
         let chord = net.positions[near[k] as usize] - at;
         let along = (chord - normal * normal.dot(chord)).normalize_or_zero();
-        let length = if level < net.level { lengths[between[k] as usize] } else { chord.length() };
+        let length = if level < net.level { lengths[between[k] as usize] } else { net.length(v, near[k]) };
         sum += along * (length * length);
         weights += length;
-        longest = longest.min(LONGEST * length).min(LONGEST_FINE * chord.length());
+        longest = longest.min(LONGEST * length / density).min(LONGEST_FINE * chord.length());
     }
-    let wanted = if weights > 0.0 { sum * (STEP / weights) } else { DVec3::ZERO };
+    let wanted = if weights > 0.0 { sum * (STEP / weights / density) } else { DVec3::ZERO };
     wanted.clamp_length_max(longest)
 }
 
@@ -106,10 +107,7 @@ fn lengths(net: &Net<'_>, level: u32) -> Vec<f64> {
                 |[ring, between], v| {
                     let Some(ends) = topology.parents(v) else { return 0.0 };
                     if of + 1 == net.level {
-                        return ends
-                            .iter()
-                            .map(|&e| net.positions[e as usize].distance(net.positions[v as usize]))
-                            .sum();
+                        return ends.iter().map(|&e| net.length(e, v)).sum();
                     }
                     topology.ring(of + 1, v, ring);
                     topology.ring(of + 2, v, between);

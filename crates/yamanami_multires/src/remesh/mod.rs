@@ -1,12 +1,14 @@
 //! Remeshing: a scan of any kind of surface becomes semi-regular, a small base mesh whose triangles are split four to one, again
-//! and again, each vertex on the scan.
+//! and again, each vertex on the scan or where the triangles around it come closest to it.
 //!
 //! Based on: Lee, Sweldens, Schröder, Cowsar, Dobkin, "MAPS: Multiresolution Adaptive Parameterization of Surfaces", 1998 (base
 //! mesh and parametrisation by decimation); Guskov, Vidimče, Sweldens, Schröder, "Normal Meshes", 2000 (details along normals);
 //! Khodakovsky, Schröder, Sweldens, "Progressive Geometry Compression", 2000 (what it is good for).
 
 mod decimate;
+mod density;
 mod even;
+mod fit;
 mod history;
 mod lattice;
 mod measure;
@@ -208,7 +210,7 @@ fn lay(
     } else {
         net.places.iter().map(|&place| source.colour(place)).collect()
     };
-    let positions: Vec<DVec3> = net.positions.iter().map(|&p| source.metres(p)).collect();
+    let positions: Vec<DVec3> = fit::fit(&net).iter().map(|&p| source.metres(p)).collect();
     let result = TriangleMesh::new(positions, topology.triangles(levels));
     let to_result = measure::samples(mesh, &Judge::new(&result));
     let to_source = measure::samples(&result, &Judge::new(mesh));

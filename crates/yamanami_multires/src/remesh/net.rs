@@ -90,6 +90,12 @@ impl<'a> Net<'a> {
         }
     }
 
+    /// The length of the straight way between two of its points, as the density has it.
+    pub(super) fn length(&self, a: u32, b: u32) -> f64 {
+        let [p, q] = [a, b].map(|v| self.source.density(self.places[v as usize]));
+        self.positions[a as usize].distance(self.positions[b as usize]) * 0.5 * (p + q)
+    }
+
     /// The least cosine between a triangle's normal and the source's at its corners, were the first corner at `at`: near 0 where the
     /// triangle cuts off what stands out between them.
     pub(super) fn facing(&self, [at, normal]: [DVec3; 2], [b, c]: [u32; 2]) -> f64 {

@@ -32,7 +32,7 @@ pub(super) fn relax(net: &mut Net<'_>, rounds: usize, is_chosen: impl Fn(u32) ->
 
 fn relax_inside(net: &mut Net<'_>, v: u32, ring: &[u32]) {
     let (at, normal) = (net.positions[v as usize], net.normals[v as usize]);
-    let way = way(net, at, normal, ring);
+    let way = way(net, v, ring);
     let before = net.least_facing([at, normal], ring, true);
     for step in STEPS {
         let place = walk::trace(net.source, net.places[v as usize], way * step);
@@ -45,14 +45,16 @@ fn relax_inside(net: &mut Net<'_>, v: u32, ring: &[u32]) {
 }
 
 /// The way to the middle of the neighbours, along the surface; farther ones pull more.
-fn way(net: &Net<'_>, at: DVec3, normal: DVec3, ring: &[u32]) -> DVec3 {
+fn way(net: &Net<'_>, v: u32, ring: &[u32]) -> DVec3 {
+    let (at, normal) = (net.positions[v as usize], net.normals[v as usize]);
     let (mut sum, mut weights) = (DVec3::ZERO, 0.0);
     for &n in ring {
         let chord = net.positions[n as usize] - at;
-        let length = chord.length();
+        let length = net.length(v, n);
         sum += (chord - normal * normal.dot(chord)).normalize_or_zero() * (length * length);
         weights += length;
     }
+    let weights = weights * net.source.density(net.places[v as usize]);
     if weights > 0.0 { sum / weights } else { DVec3::ZERO }
 }
 

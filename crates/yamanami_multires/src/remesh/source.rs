@@ -1,5 +1,6 @@
 //! The surface that is remeshed: its triangles with their neighbours, its normals, and places on it.
 
+use super::density;
 use crate::MultiresError;
 use crate::semi_regular::{not_a_surface, renumbered};
 use glam::DVec3;
@@ -36,6 +37,8 @@ pub(super) struct Source {
     across: Vec<[u32; 3]>,
     /// Unit vertex normals.
     pub(super) normals: Vec<DVec3>,
+    /// How dense the net should be at the vertices, beside other places.
+    densities: Vec<f64>,
     /// Colours, or empty.
     pub(super) colours: Vec<[u8; 4]>,
 }
@@ -96,7 +99,9 @@ impl Source {
             .map(|t| [0, 1, 2].map(|side| surface.beyond(t, side).map_or(NONE, |(o, k)| o << 2 | u32::from(k))))
             .collect();
         let normals = vertex_normals(&positions, surface.triangles());
-        Self { positions, centre: DVec3::ZERO, diagonal_m: 1.0, surface, across, normals, colours: Vec::new() }
+        let densities = density::densities(&positions, &normals, surface.triangles());
+        let colours = Vec::new();
+        Self { positions, centre: DVec3::ZERO, diagonal_m: 1.0, surface, across, normals, densities, colours }
     }
 
     /// A coarser surface on some of the vertices, and the number here of each of its triangles. Triangles whose first corner is
@@ -157,6 +162,12 @@ impl Source {
     pub(super) fn normal(&self, place: Place) -> DVec3 {
         let normals = self.triangles()[place.triangle as usize].map(|v| self.normals[v as usize]);
         blend(normals, place.shares).normalize_or_zero()
+    }
+
+    /// How dense the net should be at a place: lengths that it measures are this times as long.
+    pub(super) fn density(&self, place: Place) -> f64 {
+        let own = self.triangles()[place.triangle as usize].map(|v| self.densities[v as usize]);
+        (0..3).map(|k| own[k] * place.shares[k]).sum()
     }
 
     /// The colour at a place.
