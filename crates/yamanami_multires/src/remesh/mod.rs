@@ -39,7 +39,8 @@ const FINE_FACES: usize = 60_000;
 /// Faces from which on vertices are displaced along normals: enough to have an idea of the shape.
 const PARAMETRIC_FACES: usize = 4000;
 
-/// A root mean square of the distances, over the diagonal, with which a base mesh is large enough.
+/// A root mean square of the distances, over the diagonal, with which a base mesh is large enough; half of it for each level more than
+/// asked for.
 const GOOD_RMS: f64 = 1e-4;
 
 /// Base meshes that are tried, each four times as large as the one before, and the levels below which no larger one is.
@@ -156,7 +157,8 @@ pub fn remesh(mesh: &TriangleMesh, options: &RemeshOptions<'_>) -> Result<Remesh
         let laying = |done: f32| progress(from + share * done);
         let found = lay(mesh, &source, kind, &decimated, options, &laying)?;
         let RemeshReport { base_faces, levels, .. } = found.report;
-        let is_good = found.report.rms_m() <= GOOD_RMS * source.diagonal_m();
+        let good_m = GOOD_RMS * 0.5f64.powi(options.finer as i32) * source.diagonal_m();
+        let is_good = found.report.rms_m() <= good_m;
         if best.as_ref().is_none_or(|b| found.report.rms_m() < b.report.rms_m()) {
             best = Some(found);
         }
