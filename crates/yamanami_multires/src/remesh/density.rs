@@ -8,7 +8,7 @@ use glam::DVec3;
 /// What the bend is taken to, and how far the densities may be from that where the bend is as in the mean.
 const POWER: f64 = 0.5;
 const LEAST: f64 = 1.0;
-const MOST: f64 = 3.0;
+const MOST: f64 = 2.3;
 
 /// Rounds of smoothing.
 const ROUNDS: usize = 10;
