@@ -27,7 +27,9 @@ pub(super) fn build(args: &BuildArgs, file: &Path) -> Result<(), Failure> {
     };
     let (faces, vertices) = (mesh.triangles.len(), mesh.positions.len());
     if !mesh.colours.is_empty() || !mesh.materials.is_empty() {
-        note("note: a progressive model keeps the shape only, not colours and textures; without --progressive colours are kept");
+        note(
+            "note: a progressive model keeps the shape only, not colours and textures; without --progressive colours are kept",
+        );
     }
     remesh::mend(&mut mesh);
     let title = file.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
