@@ -31,6 +31,8 @@ const SHOWN: [Wavelet; 5] = [
     Wavelet::KDisk(3),
     Wavelet::Orthogonal,
 ];
+/// Finer levels look like the source.
+const MOST_SHOWN_VERTICES: u32 = 10_000;
 /// Coarser levels in figure 6, beside the source.
 const SHOWN_LEVELS: u32 = 4;
 const CELL_PX: u32 = 260;
@@ -77,7 +79,8 @@ pub fn date(models: Vec<DateModel>, out: &Path, progress: &dyn Fn(&str)) -> Resu
 fn approximations(model: &SemiRegularModel, file: &Path) -> Result<(), Error> {
     let source = model.to_mesh();
     let levels = model.mesh.levels();
-    let shown: Vec<u32> = (0..levels).rev().take(SHOWN_LEVELS as usize).collect();
+    let is_coarse = |&level: &u32| model.mesh.vertex_count(level) <= MOST_SHOWN_VERTICES;
+    let shown: Vec<u32> = (0..levels).rev().filter(is_coarse).take(SHOWN_LEVELS as usize).collect();
     let mut columns = vec![format!("source, {} vertices", source.positions.len())];
     columns.extend(shown.iter().map(|&l| format!("level {l}, {} vertices", model.mesh.vertex_count(l))));
     // coarse levels may reach beyond the source: the pictures hold them all

@@ -6,6 +6,9 @@ use std::path::Path;
 use yamanami_measure::plot::{Chart, Reference, Series, Style, lines};
 use yamanami_multires::kdisk::Wavelet;
 
+/// Accuracy is plotted from this compression rate on, per cent: below it errors fall to nothing.
+const LEAST_PLOTTED_PERCENT: f64 = 5.0;
+
 /// A plot: its file's name, and what it shows.
 pub(crate) type Plot = (String, String);
 
@@ -68,7 +71,8 @@ fn accuracy(study: &WaveletStudy, out: &Path, name: &str, plots: &mut Vec<Plot>)
                 x_label: "vertices kept (%)".to_owned(),
                 y_label: label.to_owned(),
                 series: series(study, |row| {
-                    row.thresholds.iter().map(|a| [100.0 - a.compression_percent, measure(a)]).collect()
+                    let rough = row.thresholds.iter().filter(|a| a.compression_percent >= LEAST_PLOTTED_PERCENT);
+                    rough.map(|a| [100.0 - a.compression_percent, measure(a)]).collect()
                 }),
                 x_log: true,
                 y_log: true,
