@@ -80,7 +80,10 @@ fn approximations(model: &SemiRegularModel, file: &Path) -> Result<(), Error> {
     let source = model.to_mesh();
     let levels = model.mesh.levels();
     let is_coarse = |&level: &u32| model.mesh.vertex_count(level) <= MOST_SHOWN_VERTICES;
-    let shown: Vec<u32> = (0..levels).rev().filter(is_coarse).take(SHOWN_LEVELS as usize).collect();
+    let mut shown: Vec<u32> = (0..levels).rev().filter(is_coarse).take(SHOWN_LEVELS as usize).collect();
+    if shown.is_empty() {
+        shown.push(0);
+    }
     let mut columns = vec![format!("source, {} vertices", source.positions.len())];
     columns.extend(shown.iter().map(|&l| format!("level {l}, {} vertices", model.mesh.vertex_count(l))));
     // coarse levels may reach beyond the source: the pictures hold them all
