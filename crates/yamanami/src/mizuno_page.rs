@@ -38,13 +38,7 @@ pub(crate) fn write_page(findings: &[Findings], out: &Path) -> Result<PathBuf, E
     for found in findings {
         chapter(found, out, &mut page)?;
     }
-    let write = |name: &str, text: String| {
-        let path = out.join(name);
-        std::fs::write(&path, text).map_err(|source| Error::File { path: path.clone(), source })?;
-        Ok::<_, Error>(path)
-    };
-    write("mizuno.md", page.markdown())?;
-    write("index.html", page.html("mizuno"))
+    page.write(out, "mizuno.md", "mizuno")
 }
 
 fn name_of(display: &OnDisplay) -> String {

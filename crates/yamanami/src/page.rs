@@ -1,6 +1,8 @@
 //! A page of text, tables and pictures, written as Markdown and as HTML.
 
+use crate::Error;
 use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
 
 /// A page being written.
 #[derive(Debug, Clone, Default)]
@@ -37,6 +39,17 @@ impl Page {
 
     pub(crate) fn picture(&mut self, file: impl Into<String>, shows: impl Into<String>) {
         self.blocks.push(Block::Picture(file.into(), shows.into()));
+    }
+
+    /// Writes the page into a folder as Markdown, under this name, and as `index.html`, whose path it gives.
+    pub(crate) fn write(&self, out: &Path, markdown_name: &str, title: &str) -> Result<PathBuf, Error> {
+        let write = |name: &str, text: String| {
+            let path = out.join(name);
+            std::fs::write(&path, text).map_err(|source| Error::File { path: path.clone(), source })?;
+            Ok::<_, Error>(path)
+        };
+        write(markdown_name, self.markdown())?;
+        write("index.html", self.html(title))
     }
 
     pub(crate) fn markdown(&self) -> String {

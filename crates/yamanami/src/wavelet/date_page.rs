@@ -28,13 +28,7 @@ pub(crate) fn write_page(findings: &[Findings], out: &Path) -> Result<PathBuf, E
     for found in findings {
         chapter(found, out, &mut page)?;
     }
-    let write = |name: &str, text: String| {
-        let path = out.join(name);
-        std::fs::write(&path, text).map_err(|source| Error::File { path: path.clone(), source })?;
-        Ok::<_, Error>(path)
-    };
-    write("date.md", page.markdown())?;
-    write("index.html", page.html(title))
+    page.write(out, "date.md", title)
 }
 
 fn best(found: &Findings) -> Option<&WaveletRow> {
@@ -49,15 +43,7 @@ fn seconds(row: &WaveletRow) -> f64 {
 fn verdict(found: &Findings) -> String {
     let title = &found.study.title;
     let Some(best) = best(found) else { return format!("{title}: the limit was not computed.") };
-    let disks: Vec<(u32, &WaveletRow)> = found
-        .study
-        .rows
-        .iter()
-        .filter_map(|row| match row.wavelet {
-            Wavelet::KDisk(k) => Some((k, row)),
-            _ => None,
-        })
-        .collect();
+    let disks: Vec<(u32, &WaveletRow)> = found.study.disks().collect();
     let worst = |row: &WaveletRow| excess(row, best, |r| &r.levels).max(excess(row, best, |r| &r.shares));
     let enough = disks.iter().find(|(_, row)| worst(row) <= SAME);
     let list: Vec<String> = disks.iter().map(|(k, row)| format!("{:.2} % (k = {k})", 100.0 * worst(row))).collect();

@@ -89,11 +89,7 @@ fn accuracy(study: &WaveletStudy, out: &Path, name: &str, plots: &mut Vec<Plot>)
 fn beside_orthogonal(study: &WaveletStudy, out: &Path, name: &str, plots: &mut Vec<Plot>) -> Result<(), Error> {
     let Some(best) = study.rows.iter().find(|row| row.wavelet == Wavelet::Orthogonal) else { return Ok(()) };
     let by_disk = |of: &dyn Fn(&WaveletRow) -> f64| -> Vec<[f64; 2]> {
-        let point = |row: &WaveletRow| match row.wavelet {
-            Wavelet::KDisk(k) => Some([f64::from(k), of(row) / of(best)]),
-            _ => None,
-        };
-        study.rows.iter().filter_map(point).collect()
+        study.disks().map(|(k, row)| [f64::from(k), of(row) / of(best)]).collect()
     };
     let mut all = Vec::new();
     for level in 0..best.levels.len() {
@@ -121,14 +117,7 @@ fn beside_orthogonal(study: &WaveletStudy, out: &Path, name: &str, plots: &mut V
 
 /// Times by disk width beside the count (14) of the filter's non-zeros, which is scaled to the synthesis at the widest disk.
 fn times(study: &WaveletStudy, out: &Path, name: &str, plots: &mut Vec<Plot>) -> Result<(), Error> {
-    let disks: Vec<(u32, &WaveletRow)> = study
-        .rows
-        .iter()
-        .filter_map(|row| match row.wavelet {
-            Wavelet::KDisk(k) => Some((k, row)),
-            _ => None,
-        })
-        .collect();
+    let disks: Vec<(u32, &WaveletRow)> = study.disks().collect();
     let Some(&(widest, last)) = disks.last() else { return Ok(()) };
     let work = |k: u32| {
         let [coarse, new] = paper_fullness(k);

@@ -95,6 +95,14 @@ pub struct WaveletStudy {
 }
 
 impl WaveletStudy {
+    /// The k-disk wavelets with their widths.
+    pub fn disks(&self) -> impl Iterator<Item = (u32, &WaveletRow)> {
+        self.rows.iter().filter_map(|row| match row.wavelet {
+            Wavelet::KDisk(k) => Some((k, row)),
+            _ => None,
+        })
+    }
+
     /// The numbers of the thresholds from where something is left out to where nothing is left.
     pub fn telling_thresholds(&self) -> impl Iterator<Item = usize> {
         let percent = |n: usize| self.rows.iter().map(move |row| row.thresholds[n].compression_percent);
