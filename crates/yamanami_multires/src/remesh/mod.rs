@@ -243,7 +243,8 @@ fn base_faces(options: &RemeshOptions<'_>, faces: usize, kind: SurfaceKind) -> u
     match options.levels {
         Some(levels) => (faces >> (2 * levels).min(60)).max(least),
         None => {
-            let mut wanted = faces;
+            // one level at least, however many parts there are
+            let mut wanted = faces / 4;
             while wanted / 4 >= least {
                 wanted /= 4;
             }
