@@ -21,8 +21,8 @@ Examples:
   yamanami remesh scan.ply -o regular.ply --base-faces 200 --levels 5
   yamanami wavelet regular.ply                        finds the levels in the file again
 
-Works on any surface that faces one way: of any genus, with holes and borders, in several parts. Equal places are joined,
-doubled faces dropped and faces turned first, as yamanami reduce --clean --orient does.")]
+Works on any surface that faces one way: of any genus, with holes and borders, in several parts.
+Equal places are joined, doubled faces dropped and faces turned first.")]
 pub(crate) struct RemeshCommand {
     /// The mesh: .ply, .obj, .stl, .off, .glb or .gltf
     mesh: PathBuf,

@@ -24,11 +24,11 @@ Examples:
   yamanami wavelet dem.tif --wavelets lazy,kdisk:2         the same for heights
   yamanami wavelet ball.ply -o plots --json                plots too; numbers for a machine
 
-A model needs subdivision connectivity: each triangle of a base mesh split in four, again and again. It is
-found in any order of vertices and triangles. With --remesh a scan gets it first.
+A model needs subdivision connectivity: each triangle of a base mesh split in four, again and
+again. It is found in any order of vertices and triangles. With --remesh a scan gets it first.
 
-Wavelets: lazy (new vertices less the middle of their parents), kdisk:K (orthogonal to the hat functions of
-the vertices within K edges, 0 to 8), orthogonal (to all of them: least squares, the limit).")]
+Wavelets: lazy (new vertices less the middle of their parents), kdisk:K (orthogonal to the hat
+functions of the vertices within K edges, 0 to 8), orthogonal (to all: least squares, the limit).")]
 pub(crate) struct WaveletArgs {
     /// A mesh with subdivision connectivity, or an elevation file without holes
     source: PathBuf,
