@@ -415,6 +415,22 @@ fn the_norm_is_that_of_the_inner_products() {
     }
 }
 
+/// The norms given for the orthogonal wavelets are those of disks; what they are off by is as said.
+#[test]
+fn wide_disks_have_the_norms_of_the_limit() {
+    for mesh in meshes(3) {
+        let lifting = Lifting::new(&mesh, Wavelet::Orthogonal);
+        let norms = lifting.norms(&mesh);
+        for vertex in mesh.new_vertices(3).step_by(11) {
+            let mut wavelet = vec![0.0; mesh.vertex_count(3) as usize];
+            wavelet[vertex as usize] = 1.0;
+            lifting.synthesise(&mut wavelet);
+            let off = norms[vertex as usize] / l2_norm(&mesh, 3, &wavelet) - 1.0;
+            assert!(off.abs() < 1e-6, "vertex {vertex}: {off:e}");
+        }
+    }
+}
+
 #[test]
 fn the_largest_stay() {
     let mesh = mesh(vec![[0, 1, 2]], 1);
