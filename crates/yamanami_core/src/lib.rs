@@ -17,6 +17,7 @@ mod semi_regular;
 mod sink;
 mod source;
 mod terrain_page;
+mod tin;
 mod view;
 
 pub use cluster_page::{BASE_CLUSTERS, ClusterNode, ClusterPage, ClusterVertex, GroupId};
@@ -30,4 +31,5 @@ pub use semi_regular::{BaseEdge, BaseFault, BaseMesh, Place, SemiRegular, Side};
 pub use sink::{MeshMirror, Sink, SurfaceVertex, TriangleKey, VertexId};
 pub use source::{HeightSource, Window};
 pub use terrain_page::{ErrorCode, PAGE_CELLS, PageId, TerrainPage};
+pub use tin::{Breakline, BreaklineKind, FOOT_M, Tin, US_SURVEY_FOOT_M};
 pub use view::{Frustum, Perspective, Projection, View};

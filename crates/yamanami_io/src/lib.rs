@@ -1,6 +1,6 @@
 //! File formats in and out, and the surface database.
 //!
-//! [`dem`] reads elevation grids, [`mesh_file`] reads and writes meshes, [`store`] is the surface database,
+//! [`dem`] reads elevation grids, [`mesh_file`] reads and writes meshes, [`tin_file`] TINs, [`store`] is the surface database,
 //! [`progressive`] the file of a semi-regular model of which any prefix is one; [`crs`] knows coordinate reference systems by EPSG code.
 
 pub mod crs;
@@ -10,5 +10,6 @@ pub mod mesh_file;
 pub mod progressive;
 pub mod scratch;
 pub mod store;
+pub mod tin_file;
 
 pub use error::IoError;
