@@ -15,6 +15,7 @@ pub mod kdisk;
 pub mod progressive;
 pub mod remesh;
 pub mod semi_regular;
+pub mod tin;
 
 pub mod wavelet;
 
