@@ -1,4 +1,8 @@
-//! TINs: how they are reduced without ceasing to be TINs, and how far apart two of them are.
+//! Triangulated irregular networks (TINs; Peucker, Fowler, Little, Mark, "The Triangulated Irregular Network", 1978): how
+//! they come to be and how they are made coarser.
+//!
+//! `delaunay` makes a TIN of survey points and breaklines, `greedy` one of a height field, `mend` makes a bad one safe;
+//! `collapse` makes one coarser, `vertical` tells how far two of one ground are apart in height.
 
 mod collapse;
 mod vertical;
