@@ -66,7 +66,7 @@ fn check(mesh: &TriangleMesh) -> Result<(), MultiresError> {
         return Err(MultiresError::NoTriangles { triangles: 0 });
     }
     if mesh.triangles.len() > MOST_TRIANGLES {
-        return Err(MultiresError::TooManyClusters {
+        return Err(MultiresError::TooManyBlocks {
             what: "triangles",
             count: mesh.triangles.len() as u64,
             most: MOST_TRIANGLES as u64,

@@ -2,31 +2,12 @@
 
 use super::*;
 use crate::tin_block::net::slope_of;
+use crate::tin_block::tests::rough_tin;
 use glam::DVec3;
 use proptest::prelude::*;
 use std::collections::BTreeSet;
+use yamanami_testkit::check_conforming;
 use yamanami_testkit::laws::Kind;
-use yamanami_testkit::{Rng, check_conforming};
-
-/// A rough grid of `side`² cells whose inner vertices are moved about.
-pub(crate) fn rough_tin(side: u32, seed: u64) -> TriangleMesh {
-    let mut rng = Rng::new(seed);
-    let mut positions = Vec::new();
-    for (y, x) in (0..=side).flat_map(|y| (0..=side).map(move |x| (y, x))) {
-        let is_inner = x > 0 && y > 0 && x < side && y < side;
-        let mut shift = || if is_inner { 0.4 * (rng.unit() - 0.5) } else { 0.0 };
-        let (dx, dy) = (shift(), shift());
-        let hill = (f64::from(x) * 0.7).sin() * (f64::from(y) * 0.4).cos();
-        positions.push(DVec3::new(10.0 * (f64::from(x) + dx), 10.0 * (f64::from(y) + dy), 8.0 * hill + rng.unit()));
-    }
-    let mut triangles = Vec::new();
-    for (y, x) in (0..side).flat_map(|y| (0..side).map(move |x| (y, x))) {
-        let a = y * (side + 1) + x;
-        let [b, c, d] = [a + 1, a + side + 2, a + side + 1];
-        triangles.extend(if (x + y) % 2 == 0 { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] });
-    }
-    TriangleMesh::new(positions, triangles)
-}
 
 /// What picking a triangle costs and leaves, by the letter of the paper; `None` where it cannot be picked.
 fn slow_pick(left: &[[DVec3; 3]], picked: [DVec3; 3]) -> Option<(f64, Vec<[DVec3; 3]>)> {

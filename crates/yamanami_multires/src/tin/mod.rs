@@ -1,0 +1,10 @@
+//! Triangulated irregular networks (TINs; Peucker, Fowler, Little, Mark, "The Triangulated Irregular Network", 1978): how
+//! they come to be and how they are made coarser.
+//!
+//! `delaunay` makes a TIN of survey points and breaklines, `greedy` one of a height field, `mend` makes a bad one safe;
+//! `collapse` makes one coarser, `vertical` tells how far two of one ground are apart in height.
+
+mod collapse;
+pub(crate) mod vertical;
+
+pub use collapse::Snap;
