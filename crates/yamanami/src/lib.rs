@@ -38,6 +38,7 @@ mod reproduce;
 mod scene;
 mod subject;
 mod terrain;
+mod tin_draw;
 mod wavelet;
 mod yama;
 
@@ -66,6 +67,7 @@ pub use reproduce::hashida;
 pub use scene::{Scene, Update};
 pub use subject::Subject;
 pub use terrain::{OpenOptions, Terrain};
+pub use tin_draw::{Culling, DrawCounts, TinDrawing, seen_triangles};
 pub use wavelet::{
     Approximation, DateModel, Fullness, KEPT_SHARES, SemiRegularModel, WaveletModel, WaveletRow, WaveletStudy, date,
     paper_fullness, usual_thresholds_m, wavelet_study, write_wavelet_plots,
