@@ -2,9 +2,14 @@
 //! they come to be and how they are made coarser.
 //!
 //! `delaunay` makes a TIN of survey points and breaklines, `greedy` one of a height field, `mend` makes a bad one safe;
-//! `collapse` makes one coarser, `vertical` tells how far two of one ground are apart in height.
+//! `collapse` makes one coarser, `levels` a chain of them, `vertical` tells how far two of one ground are apart in height,
+//! and `lines` where breaklines run.
 
 mod collapse;
+mod levels;
+mod lines;
 mod vertical;
 
 pub use collapse::Snap;
+pub use levels::{Level, LevelOptions, collapse_levels};
+pub use lines::{LineEdges, line_edges};

@@ -65,7 +65,8 @@ impl Quadric {
     pub(super) fn cost(&self, p: DVec3) -> f64 {
         let DVec3 { x, y, z } = p;
         let square = self.w * z * z - 2.0 * z * (self.a * x + self.b * y + self.c);
-        let plane = self.aa * x * x + 2.0 * self.ab * x * y + self.bb * y * y + 2.0 * (self.ac * x + self.bc * y) + self.cc;
+        let plane =
+            self.aa * x * x + 2.0 * self.ab * x * y + self.bb * y * y + 2.0 * (self.ac * x + self.bc * y) + self.cc;
         (square + plane).max(0.0)
     }
 
