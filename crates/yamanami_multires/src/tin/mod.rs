@@ -5,10 +5,10 @@
 //! `collapse` makes one coarser, `levels` a chain of them, `vertical` tells how far two of one ground are apart in height,
 //! and `lines` where breaklines run.
 
-mod collapse;
+pub(crate) mod collapse;
 mod levels;
 mod lines;
-mod vertical;
+pub(crate) mod vertical;
 
 pub use collapse::Snap;
 pub use levels::{Level, LevelOptions, collapse_levels};
