@@ -1,7 +1,6 @@
 use glam::DVec3;
-use yamanami_core::{Tin, TriangleMesh};
+use yamanami_core::{Snap, Tin, TriangleMesh};
 use yamanami_multires::cluster::{ClusterOptions, build_tin};
-use yamanami_multires::tin::Snap;
 fn main() {
     let n: usize = std::env::args().nth(1).unwrap().parse().unwrap();
     let mut s = 1u64;

@@ -3,11 +3,11 @@
 use glam::{DVec2, DVec3};
 use std::collections::{HashMap, HashSet};
 use yamanami_core::{
-    ActiveSet, Breakline, BreaklineKind, Hierarchy, NodeId, Sink, Surface, SurfaceVertex, Tin, TriangleKey,
+    ActiveSet, Breakline, BreaklineKind, Hierarchy, NodeId, Sink, Snap, Surface, SurfaceVertex, Tin, TriangleKey,
     TriangleMesh, VertexId,
 };
 use yamanami_multires::cluster::{ClusterOptions, ClusterSurface, build_tin};
-use yamanami_multires::tin::{Snap, line_edges};
+use yamanami_multires::tin::line_edges;
 use yamanami_testkit::laws::hierarchy_law;
 use yamanami_testkit::{RandomFront, Rng, Step};
 

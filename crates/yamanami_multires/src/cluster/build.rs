@@ -9,12 +9,11 @@ use super::split::{Item, split};
 use super::weld::{Vertices, weld};
 use super::{ClusterBuild, ClusterOptions};
 use crate::MultiresError;
-use crate::tin::Snap;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::HashSet;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use yamanami_core::{Sphere, Tin, TriangleMesh};
+use yamanami_core::{Snap, Sphere, Tin, TriangleMesh};
 
 /// Rounds in which next to nothing goes before building gives up: groups change from round to round.
 const IDLE_ROUNDS: usize = 3;

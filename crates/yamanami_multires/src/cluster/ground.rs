@@ -7,11 +7,11 @@ use super::patch::{Coarser, Patch};
 use super::split::edge_key;
 use super::weld::Vertices;
 use crate::tin::collapse::{Task, reduce};
+use crate::tin::line_edges;
 use crate::tin::vertical::{Ground as Piece, vertical_distance_m};
-use crate::tin::{Snap, line_edges};
 use glam::DVec3;
 use std::collections::HashSet;
-use yamanami_core::{Tin, TriangleMesh};
+use yamanami_core::{Snap, Tin, TriangleMesh};
 
 /// What is known of the ground beside its triangles.
 #[derive(Debug)]

@@ -1,10 +1,10 @@
 //! A chain of ever coarser TINs of one ground, each with its true error.
 
-use super::collapse::{Snap, Task, reduce};
+use super::collapse::{Task, reduce};
 use super::lines::line_edges;
 use super::vertical::{Ground, vertical_distance_m};
 use glam::DVec3;
-use yamanami_core::{Tin, TriangleMesh};
+use yamanami_core::{Snap, Tin, TriangleMesh};
 
 /// How to make a chain.
 #[derive(Debug, Clone, Copy)]

@@ -10,6 +10,5 @@ mod levels;
 mod lines;
 pub(crate) mod vertical;
 
-pub use collapse::Snap;
 pub use levels::{Level, LevelOptions, collapse_levels};
 pub use lines::{LineEdges, line_edges};

@@ -18,6 +18,7 @@ use points::{Points, Way};
 use quadric::Quadric;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
+use yamanami_core::Snap;
 
 /// A new triangle's area in plan, twice, is at least this share of its longest side squared (about 1.5°), or no smaller
 /// than that of the triangle before.
@@ -35,27 +36,6 @@ const STRAY: f64 = 16.0;
 
 /// A vertex has at most so many triangles around it.
 const MOST_AROUND: usize = 32;
-
-/// Where vertices that are made may lie.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Snap {
-    /// Metres in a unit.
-    pub unit_m: f64,
-    /// Parts of a unit: coordinates are whole multiples of `unit_m / per_unit`.
-    pub per_unit: f64,
-}
-
-impl Snap {
-    /// The nearest place of the lattice.
-    pub fn place(&self, p: DVec3) -> DVec3 {
-        DVec3::from_array(p.to_array().map(|x| self.metres((x / self.unit_m * self.per_unit).round())))
-    }
-
-    /// The coordinate of a whole number of steps.
-    pub fn metres(&self, steps: f64) -> f64 {
-        steps / self.per_unit * self.unit_m
-    }
-}
 
 /// What to collapse, and how far.
 #[derive(Debug, Clone, Copy)]

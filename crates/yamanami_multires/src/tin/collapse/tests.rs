@@ -1,10 +1,11 @@
 //! What every collapse of a TIN must keep: a TIN, its domain, its lines, what is locked.
 
 use super::super::vertical::{Ground, vertical_distance_m};
-use super::{NONE, Reduced, Snap, Task, area2, reduce};
+use super::{NONE, Reduced, Task, area2, reduce};
 use glam::DVec3;
 use proptest::prelude::*;
 use std::collections::HashMap;
+use yamanami_core::Snap;
 
 /// A shaken grid with random diagonals over hills, far from zero.
 fn ground(n: usize, seed: u64) -> (Vec<DVec3>, Vec<[u32; 3]>) {
