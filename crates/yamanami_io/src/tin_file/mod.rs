@@ -15,10 +15,14 @@
 //! Longitudes and latitudes are projected, vertex by vertex, into the metric CRS of their place on the same datum.
 
 mod check;
+mod citygml;
+mod landxml_read;
+mod landxml_surface;
+mod landxml_words;
 mod landxml_write;
 mod notes;
-#[expect(dead_code, reason = "used by the writers")]
 mod number;
+mod text;
 #[expect(dead_code, reason = "used by the readers")]
 mod weld;
 mod xml;
