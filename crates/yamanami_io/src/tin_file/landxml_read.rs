@@ -7,7 +7,7 @@ use super::landxml_surface::{CgPoints, Surface, triple};
 use super::landxml_words;
 use super::notes::Notes;
 use super::xml::{Node, Tag, Xml};
-use super::{ReadTin, TinReadOptions, check};
+use super::{ReadTin, TinReadOptions, check, metric};
 use crate::IoError;
 use std::io::BufRead;
 use yamanami_core::{BreaklineKind, Crs};
@@ -154,16 +154,16 @@ impl File {
         }
         let unit_m = options.unit_m.or(unit_m).unwrap_or(1.0);
         let crs = options.epsg.map(check::crs_of_epsg).or(crs).unwrap_or_default();
-        if crs.geographic {
-            self.notes.say(format!("{} is longitude and latitude: its degrees are taken as metres", crs.name));
-        }
         let place = format!("surface '{}'", surface.name);
-        let (tin, notes) = surface.into_tin(unit_m, crs, &self.cg_points);
+        let (mut tin, notes) = surface.into_tin(unit_m, crs, &self.cg_points);
         if tin.mesh.triangles.is_empty() {
             let found = format!("{} points, {} hidden faces", tin.mesh.positions.len(), tin.hidden.len());
             return Err(IoError::malformed(xml.name(), place, "faces that are shown", found));
         }
         self.notes.join(notes);
+        if unit_m == 1.0 {
+            metric::to_metres(&mut tin, &mut self.notes);
+        }
         let read = check::readable(xml.name(), tin, self.notes)?;
         Ok(ReadTin { other_surfaces: self.other_surfaces, ..read })
     }

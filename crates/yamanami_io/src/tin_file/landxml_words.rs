@@ -106,8 +106,10 @@ fn japanese_zone(text: &str) -> Option<u32> {
     let upper = text.to_uppercase();
     let is_japanese = ["平面直角", "JAPAN", "JGD", "TOKYO"].iter().any(|word| upper.contains(word));
     let number_before = |mark: &str| {
-        let before = upper.split_once(mark)?.0.trim_end();
-        before[before.trim_end_matches(|c: char| c.is_ascii_digit()).len()..].parse().ok()
+        upper.match_indices(mark).find_map(|(at, _)| {
+            let before = upper[..at].trim_end();
+            before[before.trim_end_matches(|c: char| c.is_ascii_digit()).len()..].parse().ok()
+        })
     };
     let word_after =
         |mark: &str| Some(upper.split_once(mark)?.1.trim_start().split([' ', ',', '(', ')', '系']).next()?);

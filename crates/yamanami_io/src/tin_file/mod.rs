@@ -20,10 +20,11 @@ mod landxml_read;
 mod landxml_surface;
 mod landxml_words;
 mod landxml_write;
+mod metric;
 mod notes;
 mod number;
+mod srs_name;
 mod text;
-#[expect(dead_code, reason = "used by the readers")]
 mod weld;
 mod xml;
 
