@@ -16,7 +16,7 @@
 
 mod check;
 mod dxf;
-mod gpkg_write;
+mod gpkg;
 mod landxml_write;
 mod lines;
 mod notes;
@@ -162,7 +162,7 @@ pub fn write_tin(path: impl AsRef<Path>, tin: &Tin) -> Result<(), IoError> {
         Format::Dxf => atomic::write(path, packing, |out| dxf::write(out, tin)),
         Format::Sms2dm => atomic::write(path, packing, |out| sms_2dm::write(out, tin)),
         Format::QuantizedMesh => Err(IoError::unsupported(path, "quantized-mesh is only read", "write .xml or .dxf")),
-        Format::GeoPackage => gpkg_write::write(path, tin),
+        Format::GeoPackage => gpkg::write(path, tin),
         Format::Mesh => {
             let crs = tin.crs.epsg.map_or(String::new(), |epsg| format!("EPSG:{epsg} {}", tin.crs.name));
             let meta = MeshMeta { title: tin.name.clone(), crs, note: String::new() };

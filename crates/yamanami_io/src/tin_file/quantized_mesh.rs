@@ -1,5 +1,0 @@
-//! quantized-mesh
-use super::*;
-pub(super) fn read(name: &Path, _c: impl BufRead, _o: &TinReadOptions) -> Result<ReadTin, IoError> {
-    Err(IoError::unsupported(name, "", ""))
-}
