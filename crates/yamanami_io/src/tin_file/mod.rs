@@ -3,11 +3,11 @@
 //! | format | read | written | coordinates | breaklines | hidden faces | CRS |
 //! |---|---|---|---|---|---|---|
 //! | LandXML 1.2, 2.0, J-LandXML (`.xml`, `.landxml`) | yes | yes, 1.2 | every digit | yes | yes | yes |
-//! | DXF (`.dxf`) | 3DFACE, polyface and polygon meshes, lines | 3DFACE | every digit | yes | layer | no |
+//! | DXF (`.dxf`) | 3DFACE, polyface and polygon meshes, MESH, lines | release 12, 3DFACE | every digit | yes | yes | no |
 //! | CityGML 2 relief (`.gml`) | `TINRelief` | no | projected | | | yes |
-//! | SMS 2DM (`.2dm`) | triangles and quadrilaterals | yes | every digit | | | no |
+//! | SMS 2DM (`.2dm`) | triangles and quadrilaterals | yes, in metres | every digit | all hard | no | no |
 //! | quantized-mesh (`.terrain`) | 1.0 | no | projected | | | yes |
-//! | GeoPackage (`.gpkg`) | no | yes | doubles | yes | | yes |
+//! | GeoPackage (`.gpkg`) | no | polygons and lines | doubles | yes | yes | yes |
 //! | PLY, OBJ, STL, OFF, glTF (see [`crate::mesh_file`]) | yes | yes | | | | |
 //!
 //! `.gz` and `.zst` around any of the text formats. What comes out is in metres, z up, counter-clockwise from above,
@@ -15,14 +15,21 @@
 //! Longitudes and latitudes are projected, vertex by vertex, into the metric CRS of their place on the same datum.
 
 mod check;
+mod citygml;
 mod dxf;
 mod gpkg;
+mod landxml_read;
+mod landxml_surface;
+mod landxml_words;
 mod landxml_write;
 mod lines;
+mod metric;
 mod notes;
 mod number;
 mod quantized_mesh;
 mod sms_2dm;
+mod srs_name;
+mod text;
 mod upward;
 mod weld;
 mod xml;

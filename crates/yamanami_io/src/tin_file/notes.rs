@@ -30,6 +30,12 @@ impl Notes {
         }
     }
 
+    /// Adds those of a part.
+    pub(super) fn join(&mut self, part: Self) {
+        self.lines.extend(part.lines);
+        self.counted.extend(part.counted);
+    }
+
     /// All of it as lines.
     pub(super) fn into_lines(self) -> Vec<String> {
         let counted = self.counted.into_iter().map(|(what, count, place)| format!("{what}: {count}, first at {place}"));

@@ -4,7 +4,7 @@
 
 use super::lines::Lines;
 use super::upward::{cut_quad, upward};
-use super::{Notes, ReadTin, TinReadOptions, check};
+use super::{Notes, ReadTin, TinReadOptions, check, metric};
 use crate::IoError;
 use glam::DVec3;
 use std::collections::HashMap;
@@ -48,12 +48,14 @@ struct Cards {
 /// Reads a mesh. The format knows no unit: metres, unless the options say otherwise.
 pub(super) fn read(name: &Path, mut content: impl BufRead, options: &TinReadOptions) -> Result<ReadTin, IoError> {
     let mut notes = Notes::default();
-    if options.unit_m.is_none() {
+    let crs = check::crs(options);
+    if options.unit_m.is_none() && !crs.geographic {
         notes.say("no unit is stated: metres assumed");
     }
-    let unit_m = options.unit_m.unwrap_or(1.0);
+    // degrees are left as they are
+    let unit_m = options.unit_m.filter(|_| !crs.geographic).unwrap_or(1.0);
     let cards = Cards::read(name, &mut Lines::new(name, &mut content), unit_m, &mut notes)?;
-    let mut tin = Tin { name: cards.name, unit_m, crs: check::crs(options), ..Tin::default() };
+    let mut tin = Tin { name: cards.name, unit_m, crs, ..Tin::default() };
     let numbers = Numbers::new(&cards.ids, &mut notes);
     let places = cards.places;
     let mut corners = Vec::new();
@@ -93,6 +95,7 @@ pub(super) fn read(name: &Path, mut content: impl BufRead, options: &TinReadOpti
     if !tin.breaklines.is_empty() {
         leave_out_line_vertices(&mut tin, of_lines);
     }
+    metric::to_metres(&mut tin, &mut notes);
     check::readable(name, tin, notes)
 }
 

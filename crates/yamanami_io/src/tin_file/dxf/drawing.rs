@@ -10,7 +10,7 @@ use super::read::Header;
 use crate::IoError;
 use crate::tin_file::upward::{cut_quad, upward};
 use crate::tin_file::weld::Weld;
-use crate::tin_file::{Notes, TinReadOptions, check};
+use crate::tin_file::{Notes, TinReadOptions, check, metric};
 use glam::DVec3;
 use std::path::Path;
 use yamanami_core::{Breakline, Tin};
@@ -366,6 +366,7 @@ impl<'a> Drawing<'a> {
         let others = others.map(|&name| name.to_owned()).collect();
         tin.unit_m = self.unit_m;
         tin.crs = check::crs(options);
+        metric::to_metres(&mut tin, &mut notes);
         Ok((tin, notes, others))
     }
 }

@@ -125,7 +125,8 @@ pub(in crate::tin_file) fn read(
             .notes
             .say(format!("the file ends at line {} without EOF: what was open there is left out", groups.line()));
     }
-    if options.unit_m.is_none() && units::metres(header.unit).is_none() {
+    let degrees = check::crs(options).geographic;
+    if !degrees && options.unit_m.is_none() && units::metres(header.unit).is_none() {
         let why = if header.unit == 0 { "no unit is stated".into() } else { format!("$INSUNITS is {}", header.unit) };
         drawing.notes.say(format!("{why}: metres assumed"));
     }
@@ -133,7 +134,11 @@ pub(in crate::tin_file) fn read(
     Ok(ReadTin { other_surfaces, ..check::readable(name, tin, notes)? })
 }
 
+/// Metres in a unit; degrees are left as they are.
 fn unit_m(header: &Header, options: &TinReadOptions) -> f64 {
+    if check::crs(options).geographic {
+        return 1.0;
+    }
     options.unit_m.or_else(|| units::metres(header.unit)).unwrap_or(1.0)
 }
 
