@@ -32,6 +32,7 @@ pub(crate) use cluster::connectivity;
 pub use cluster::{
     ClusterCodec, ClusterMeta, ClusterStore, ClusterWriter, PageShape, Rounding, TinAnnex, TinMeta, put_in_order,
 };
+pub(crate) use database::write_error;
 pub use meta::TerrainMeta;
 pub use page::{EncodedPage, PageCodec};
 pub use quantum::{Quantum, QuantumFinder};
