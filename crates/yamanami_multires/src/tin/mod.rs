@@ -2,3 +2,7 @@
 //! they come to be and how they are made coarser.
 //!
 //! `delaunay` makes a TIN of survey points and breaklines, `greedy` one of a height field, `mend` makes a bad one safe.
+
+mod delaunay;
+
+pub use delaunay::{DelaunayOptions, Triangulated, triangulate};
