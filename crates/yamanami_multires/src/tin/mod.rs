@@ -3,6 +3,9 @@
 //!
 //! `delaunay` makes a TIN of survey points and breaklines, `greedy` one of a height field, `mend` makes a bad one safe.
 
+mod compact;
 mod delaunay;
+mod greedy;
 
 pub use delaunay::{DelaunayOptions, Triangulated, triangulate};
+pub use greedy::{GreedyOptions, GreedyTin, greedy};

@@ -5,7 +5,6 @@ use super::lines::Kept;
 use glam::DVec3;
 use spade::Triangulation;
 use std::collections::HashMap;
-use yamanami_core::TriangleMesh;
 
 /// Triangles of the triangulation, counter-clockwise, that lie in an odd number of boundaries, if there are any, and have
 /// no edge longer than `longest_edge_m` in plan.
@@ -59,23 +58,4 @@ fn inside_faces(cdt: &Cdt, edges: &HashMap<[u32; 2], Kept>) -> Vec<bool> {
         }
     }
     inside
-}
-
-/// The mesh of the triangles, without the vertices that none has.
-pub(super) fn compact(positions: Vec<DVec3>, mut triangles: Vec<[u32; 3]>) -> TriangleMesh {
-    let mut numbers = vec![u32::MAX; positions.len()];
-    for &v in triangles.as_flattened() {
-        numbers[v as usize] = 0;
-    }
-    let mut kept = Vec::with_capacity(positions.len());
-    for (number, &p) in numbers.iter_mut().zip(&positions) {
-        if *number == 0 {
-            *number = kept.len() as u32;
-            kept.push(p);
-        }
-    }
-    for v in triangles.as_flattened_mut() {
-        *v = numbers[*v as usize];
-    }
-    TriangleMesh::new(kept, triangles)
 }

@@ -8,13 +8,19 @@ use super::{Cdt, name, place};
 use glam::DVec3;
 use spade::handles::FixedVertexHandle;
 use spade::{Point2, PositionInTriangulation, Triangulation};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use yamanami_core::{Breakline, BreaklineKind};
 
 /// Notes of one sort that are written out.
 const MOST_NOTES: usize = 20;
 /// Rounded crossings may cross their neighbours again, but not for long.
 const MOST_DEPTH: usize = 24;
+/// So often in a row may an edge be split without a step forward.
+const PATIENCE: usize = 100;
+/// A crossing no farther from the end of an edge is that end, metres: a new vertex there would be rounding alone.
+const TOUCH_M: f64 = 1e-6;
+/// The same for large coordinates, of their size.
+const TOUCH_OF_SIZE: f64 = 4e-15;
 
 /// An edge that a line runs along.
 #[derive(Debug, Clone, Copy)]
@@ -41,6 +47,7 @@ pub(super) struct Weaver<'a> {
     line_of: &'a mut Vec<u32>,
     lines: &'a [Breakline],
     tolerance_m: f64,
+    touch_m: f64,
     woven: Woven,
     /// Edges that were split later: the vertices between their ends.
     splits: HashMap<[u32; 2], Vec<u32>>,
@@ -59,6 +66,8 @@ impl<'a> Weaver<'a> {
         lines: &'a [Breakline],
         tolerance_m: f64,
     ) -> Self {
+        let size = positions.iter().fold(0.0, |size: f64, p| size.max(p.x.abs()).max(p.y.abs()));
+        let touch_m = TOUCH_M.max(size * TOUCH_OF_SIZE);
         let woven = Woven { edges: HashMap::new(), paths: Vec::new() };
         let (splits, disputed, lost) = (HashMap::new(), Vec::new(), Vec::new());
         Self {
@@ -67,6 +76,7 @@ impl<'a> Weaver<'a> {
             line_of,
             lines,
             tolerance_m,
+            touch_m,
             woven,
             splits,
             meaned: 0,
@@ -94,7 +104,7 @@ impl<'a> Weaver<'a> {
         let mut at = from;
         // where to go, the next last
         let mut targets = vec![to];
-        let mut patience = MOST_DEPTH;
+        let mut patience = PATIENCE;
         while let Some(&target) = targets.last() {
             if at == target {
                 targets.pop();
@@ -112,7 +122,7 @@ impl<'a> Weaver<'a> {
             } else {
                 self.keep(at, target, kept, &mut path);
                 at = target;
-                patience = MOST_DEPTH;
+                patience = PATIENCE;
             }
         }
         path
@@ -165,15 +175,21 @@ impl<'a> Weaver<'a> {
         }
     }
 
-    /// Splits a kept edge where the way from `from` to `to` crosses it, and tells the vertex there.
+    /// Splits a kept edge where the way from `from` to `to` crosses it, and tells the vertex there. Where the end of one
+    /// all but touches the other, that end is it, and nothing else is split.
     fn split(&mut self, from: u32, to: u32, [u, v]: [u32; 2], kept: Kept, depth: usize) -> u32 {
+        if let Some(end) = [u, v].into_iter().find(|&end| self.touches(end, from, to)) {
+            return end;
+        }
         let other = self.woven.edges.remove(&key(u, v)).unwrap_or(kept);
+        let touching = [from, to].into_iter().find(|&end| self.touches(end, u, v));
         let crossing = self.crossing([from, to], [u, v], [kept, other]);
         if let Some(edge) = self.cdt.get_edge_from_neighbors(handle(u), handle(v)) {
             let edge = edge.fix().as_undirected();
             self.cdt.remove_constraint_edge(edge);
         }
-        let Some(middle) = self.vertex_at(crossing, kept.line.min(other.line)) else { return from };
+        let middle = touching.or_else(|| self.vertex_at(crossing, kept.line.min(other.line)));
+        let Some(middle) = middle else { return from };
         let mut path = self.run(u, middle, other, depth + 1);
         path.extend_from_slice(&self.run(middle, v, other, depth + 1)[1..]);
         if path.len() > 2 {
@@ -183,6 +199,14 @@ impl<'a> Weaver<'a> {
             self.splits.insert(key(u, v), path[1..path.len() - 1].to_vec());
         }
         middle
+    }
+
+    /// Whether a vertex lies between two others, nearer to the straight way than a crossing can be told.
+    fn touches(&self, vertex: u32, from: u32, to: u32) -> bool {
+        let [p, a, b] = [vertex, from, to].map(|v| self.positions[v as usize].truncate());
+        let (along, off) = (b - a, p - a);
+        let t = along.dot(off) / along.length_squared();
+        vertex != from && vertex != to && t > 0.0 && t < 1.0 && (off - along * t).length() <= self.touch_m
     }
 
     /// Where two edges of lines cross, with the height that the lines settle on.
@@ -269,22 +293,33 @@ impl<'a> Weaver<'a> {
     }
 }
 
-/// Appends the vertices after `a` up to `b`, through every split of the edge between them.
+/// Appends the vertices after `a` up to `b`, through every split of the edge between them. An edge on a way round itself,
+/// among lines that all but coincide, is an edge again.
 fn expand(splits: &HashMap<[u32; 2], Vec<u32>>, a: u32, b: u32, path: &mut Vec<u32>) {
-    let mut steps = vec![[a, b]];
-    while let Some([a, b]) = steps.pop() {
-        let Some(between) = splits.get(&key(a, b)) else {
+    let mut around = HashSet::new();
+    // edges to walk, the next last; without a way, the end of what an edge was split into
+    let mut steps = vec![(a, b, true)];
+    while let Some((a, b, is_way)) = steps.pop() {
+        if !is_way {
+            around.remove(&key(a, b));
+            continue;
+        }
+        let Some(between) = splits.get(&key(a, b)).filter(|_| around.insert(key(a, b))) else {
             path.push(b);
             continue;
         };
-        let mut stops = vec![a];
+        steps.push((a, b, false));
+        let mut to = b;
+        let mut back_to = |from: u32| {
+            steps.push((from, to, true));
+            to = from;
+        };
         if a < b {
-            stops.extend(between);
+            between.iter().rev().for_each(|&v| back_to(v));
         } else {
-            stops.extend(between.iter().rev());
+            between.iter().for_each(|&v| back_to(v));
         }
-        stops.push(b);
-        steps.extend(stops.windows(2).rev().map(|w| [w[0], w[1]]));
+        back_to(a);
     }
 }
 

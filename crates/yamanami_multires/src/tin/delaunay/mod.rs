@@ -9,6 +9,7 @@ mod lines;
 mod outliers;
 mod vertices;
 
+use super::compact::compact;
 use crate::MultiresError;
 use glam::DVec3;
 use lines::Weaver;
@@ -81,7 +82,7 @@ pub fn triangulate(
             Breakline { name: line.name.clone(), kind: line.kind, points }
         })
         .collect();
-    let mesh = clip::compact(positions, triangles);
+    let mesh = compact(&positions, triangles);
     Ok(Triangulated { tin: Tin { breaklines, ..Tin::of_mesh("", mesh) }, notes })
 }
 
