@@ -3,9 +3,10 @@
 //!
 //! `delaunay` makes a TIN of survey points and breaklines, `greedy` one of a height field, `mend` makes a bad one safe.
 
-mod compact;
 mod delaunay;
 mod greedy;
+mod mend;
 
 pub use delaunay::{DelaunayOptions, Triangulated, triangulate};
 pub use greedy::{GreedyOptions, GreedyTin, greedy};
+pub use mend::{Fault, Mended, MendedTin, mend};

@@ -9,13 +9,13 @@ mod lines;
 mod outliers;
 mod vertices;
 
-use super::compact::compact;
 use crate::MultiresError;
+use crate::clean::{CleanOptions, clean};
 use glam::DVec3;
 use lines::Weaver;
 use spade::{ConstrainedDelaunayTriangulation, Point2, PositionInTriangulation, Triangulation};
 use vertices::Vertices;
-use yamanami_core::{Breakline, Tin};
+use yamanami_core::{Breakline, Tin, TriangleMesh};
 
 type Cdt = ConstrainedDelaunayTriangulation<Point2<f64>>;
 
@@ -82,7 +82,8 @@ pub fn triangulate(
             Breakline { name: line.name.clone(), kind: line.kind, points }
         })
         .collect();
-    let mesh = compact(&positions, triangles);
+    let mut mesh = TriangleMesh::new(positions, triangles);
+    clean(&mut mesh, &CleanOptions { drop_isolated: true, ..CleanOptions::default() });
     Ok(Triangulated { tin: Tin { breaklines, ..Tin::of_mesh("", mesh) }, notes })
 }
 

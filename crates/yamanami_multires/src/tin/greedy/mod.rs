@@ -9,13 +9,13 @@ mod net;
 mod scan;
 mod voids;
 
-use super::compact::compact;
 use crate::MultiresError;
+use crate::clean::{CleanOptions, clean};
 use glam::DVec3;
 use net::Net;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
-use yamanami_core::{HeightField, Tin};
+use yamanami_core::{HeightField, Tin, TriangleMesh};
 
 /// When insertion ends: at the first of both.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -133,7 +133,9 @@ impl<'a> Work<'a> {
         // rows go south
         let triangles = shown.map(|t| net.corners(t)).map(|[a, b, c]| [a, c, b]).collect();
         let error_m = self.worst.iter().fold(0.0, |most: f64, worst| most.max(worst.error_m));
-        GreedyTin { tin: Tin::of_mesh("", compact(&positions, triangles)), error_m }
+        let mut mesh = TriangleMesh::new(positions, triangles);
+        clean(&mut mesh, &CleanOptions { drop_isolated: true, ..CleanOptions::default() });
+        GreedyTin { tin: Tin::of_mesh("", mesh), error_m }
     }
 }
 
