@@ -6,9 +6,15 @@
 //! and `lines` where breaklines run.
 
 pub(crate) mod collapse;
+mod delaunay;
+mod greedy;
 mod levels;
 mod lines;
+mod mend;
 pub(crate) mod vertical;
 
+pub use delaunay::{DelaunayOptions, Triangulated, triangulate};
+pub use greedy::{GreedyOptions, GreedyTin, greedy};
 pub use levels::{Level, LevelOptions, collapse_levels};
 pub use lines::{LineEdges, line_edges};
+pub use mend::{Fault, Mended, MendedTin, mend};
