@@ -5,12 +5,16 @@
 //! edges are told exactly (Shewchuk, "Adaptive precision floating-point arithmetic and fast robust geometric
 //! predicates", 1997), so no point falls between two triangles that share an edge.
 
+use super::overlay::overlap_m2;
 use glam::DVec2;
 use rayon::prelude::*;
 use robust::{Coord, orient2d};
-use std::ops::ControlFlow;
 use yamanami_core::TriangleMesh;
 
+/// Share of the area that shows its lower side from which on a mesh is taken for a solid.
+const SOLID_SHARE: f64 = 0.1;
+/// Share of the area that may be covered twice: surveys have slips of a few centimetres.
+const TWICE_SHARE: f64 = 1e-6;
 /// Triangles of a leaf, and children of a node.
 const FAN: usize = 8;
 
@@ -106,20 +110,24 @@ impl<'m> PlanIndex<'m> {
                 if found.is_none_or(|f| t < f) && holds(self.mesh, t, place) {
                     found = Some(t);
                 }
-                ControlFlow::Continue(())
             },
         );
         found
     }
 
-    /// Whether triangles overlap in plan by more than rounding: then the surface is not 2.5D.
-    pub fn overlaps(&self) -> bool {
-        let turns = |up: bool| self.order.par_iter().any(|&t| (plan_turn(self.mesh, t) > 0.0) == up);
-        (turns(true) && turns(false)) || super::overlay::overlaps_itself(self)
+    /// Whether the surface is 2.5D: nothing but a trace of its area is covered twice, seen from above.
+    pub fn is_terrain(&self) -> bool {
+        let areas = |up: bool| -> f64 {
+            self.order.iter().map(|&t| plan_turn(self.mesh, t)).filter(|turn| (*turn > 0.0) == up).map(f64::abs).sum()
+        };
+        let (up, down) = (areas(true), areas(false));
+        // a solid has as much of its area below as above: no need to look closer
+        let (less, all) = (up.min(down), up + down);
+        all > 0.0 && less < SOLID_SHARE * all && overlap_m2(self) <= TWICE_SHARE * all / 2.0
     }
 
-    /// Calls `each` for the triangles of all leaves whose box passes `wanted`, until it breaks.
-    pub(super) fn visit(&self, wanted: impl Fn(&PlanBox) -> bool, mut each: impl FnMut(u32) -> ControlFlow<()>) {
+    /// Calls `each` for the triangles of all leaves whose box passes `wanted`.
+    pub(super) fn visit(&self, wanted: impl Fn(&PlanBox) -> bool, mut each: impl FnMut(u32)) {
         // eight children a level, eleven levels at most for triangles with 32-bit numbers
         let mut stack = [(0usize, 0usize); FAN * 12];
         let mut depth = 0;
@@ -136,9 +144,7 @@ impl<'m> PlanIndex<'m> {
             let children = number * FAN..;
             if level == 0 {
                 for &t in &self.order[children.start..self.order.len().min(children.start + FAN)] {
-                    if each(t).is_break() {
-                        return;
-                    }
+                    each(t);
                 }
                 continue;
             }
@@ -243,15 +249,18 @@ mod tests {
     }
 
     #[test]
-    fn surfaces_that_overlap_in_plan_are_told() {
+    fn surfaces_that_cover_a_place_twice_are_told() {
         let flat = rough(6, 1);
-        assert!(!PlanIndex::new(&flat).overlaps());
-        assert!(!PlanIndex::new(&shifted(rough(12, 7))).overlaps());
+        assert!(PlanIndex::new(&flat).is_terrain());
+        assert!(PlanIndex::new(&shifted(rough(12, 7))).is_terrain());
         let mut twice = flat.clone();
         twice.triangles.push(flat.triangles[3]);
-        assert!(PlanIndex::new(&twice).overlaps());
+        assert!(!PlanIndex::new(&twice).is_terrain());
+        let mut solid = flat.clone();
+        solid.triangles.extend(flat.triangles.iter().map(|&[a, b, c]| [a, c, b]));
+        assert!(!PlanIndex::new(&solid).is_terrain() && !PlanIndex::new(&TriangleMesh::default()).is_terrain());
         let mut folded = flat;
         folded.triangles[0].swap(0, 1);
-        assert!(PlanIndex::new(&folded).overlaps());
+        assert!(PlanIndex::new(&folded).is_terrain(), "which side is up is another matter");
     }
 }

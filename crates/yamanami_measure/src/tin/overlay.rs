@@ -9,7 +9,6 @@ use super::locate::{PlanBox, plan_corners, plan_turn};
 use super::plane::Plane;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
-use std::ops::ControlFlow;
 use yamanami_core::TriangleMesh;
 
 /// Triangles of the first surface handled by one task; also the grouping of sums, so part of the result's last bits.
@@ -26,6 +25,13 @@ pub(super) struct Piece<'a> {
 }
 
 impl Piece<'_> {
+    /// Plan area, square metres.
+    fn area(&self) -> f64 {
+        let mut area = 0.0;
+        self.differences(|part, _| area += part);
+        area
+    }
+
     /// Calls `each` with area and height differences (second less first) of the triangles of a fan over the piece.
     pub(super) fn differences(&self, mut each: impl FnMut(f64, [f64; 3])) {
         let [first, second] = &self.planes;
@@ -50,33 +56,29 @@ pub(super) fn fold<S: Default + Send>(
         .map(|chunk| {
             let (mut sums, mut clip) = (S::default(), Clip::default());
             for t in chunk * CHUNK..first.triangles.len().min((chunk + 1) * CHUNK) {
-                clip.pieces(first, t as u32, second, |_, piece| {
-                    add(&mut sums, piece);
-                    ControlFlow::Continue(())
-                });
+                clip.pieces(first, t as u32, second, |_, piece| add(&mut sums, piece));
             }
             sums
         })
         .collect()
 }
 
-/// Share of the smaller of two triangles that is more than rounding.
-const OVERLAP_SHARE: f64 = 1e-9;
-
-/// Whether two triangles of a surface overlap in plan.
-pub(super) fn overlaps_itself(index: &PlanIndex<'_>) -> bool {
+/// Plan area that triangles of a surface share with others of it, square metres.
+pub(super) fn overlap_m2(index: &PlanIndex<'_>) -> f64 {
     let mesh = index.mesh();
-    let turn = |t: u32| plan_turn(mesh, t).abs();
-    (0..mesh.triangles.len() as u32).into_par_iter().any(|t| {
-        let mut found = false;
-        Clip::default().pieces(mesh, t, index, |other, piece| {
-            let mut area = 0.0;
-            piece.differences(|a, _| area += a);
-            found = other != t && 2.0 * area > OVERLAP_SHARE * turn(t).min(turn(other));
-            if found { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-        });
-        found
-    })
+    let count = mesh.triangles.len();
+    let chunk = |chunk: usize| {
+        let (mut area, mut clip) = (0.0, Clip::default());
+        for t in chunk * CHUNK..count.min((chunk + 1) * CHUNK) {
+            clip.pieces(mesh, t as u32, index, |other, piece| {
+                if (t as u32) < other {
+                    area += piece.area();
+                }
+            });
+        }
+        area
+    };
+    (0..count.div_ceil(CHUNK)).into_par_iter().map(chunk).collect::<Vec<f64>>().into_iter().sum()
 }
 
 /// Plan area of a surface, square metres.
@@ -106,13 +108,7 @@ struct Clip {
 
 impl Clip {
     /// Calls `each` with every triangle of `second` that shares a piece with triangle `t` of `first`, and that piece.
-    fn pieces(
-        &mut self,
-        first: &TriangleMesh,
-        t: u32,
-        second: &PlanIndex<'_>,
-        mut each: impl FnMut(u32, &Piece<'_>) -> ControlFlow<()>,
-    ) {
+    fn pieces(&mut self, first: &TriangleMesh, t: u32, second: &PlanIndex<'_>, mut each: impl FnMut(u32, &Piece<'_>)) {
         let turn = plan_turn(first, t);
         if turn == 0.0 {
             return;
@@ -131,7 +127,7 @@ impl Clip {
             |b| b.meets(&bounds),
             |other| {
                 if !PlanBox::of(plan_corners(second.mesh(), other)).meets(&bounds) {
-                    return ControlFlow::Continue(());
+                    return;
                 }
                 let theirs = local(second.mesh().corners(other as usize));
                 let [a, b, c] = theirs.map(|p| p.truncate());
@@ -141,10 +137,9 @@ impl Clip {
                 for (from, to) in [(ring[0], ring[1]), (ring[1], ring[2]), (ring[2], ring[0])] {
                     self.keep_left(from, to);
                 }
-                if self.polygon.len() < 3 {
-                    return ControlFlow::Continue(());
+                if self.polygon.len() >= 3 {
+                    each(other, &Piece { origin, corners: &self.polygon, planes: [plane, Plane::of(theirs)] });
                 }
-                each(other, &Piece { origin, corners: &self.polygon, planes: [plane, Plane::of(theirs)] })
             },
         );
     }

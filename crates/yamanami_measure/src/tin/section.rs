@@ -7,7 +7,6 @@ use super::PlanIndex;
 use super::locate::{PlanBox, side};
 use super::plane::Plane;
 use glam::{DVec2, DVec3};
-use std::ops::ControlFlow;
 
 /// A vertex of a section.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -117,7 +116,6 @@ impl Leg {
             |b| self.may_meet(b),
             |t| {
                 parts.extend(self.part(index.mesh().corners(t as usize)));
-                ControlFlow::Continue(())
             },
         );
         parts.sort_unstable_by(|a, b| a[0].0.total_cmp(&b[0].0).then(a[1].0.total_cmp(&b[1].0)));
