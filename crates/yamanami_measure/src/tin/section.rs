@@ -34,6 +34,13 @@ impl Section {
         self.runs.iter().flat_map(|run| run.windows(2).map(|w| [w[0], w[1]]))
     }
 
+    /// Height at a distance along the line, metres; `None` in a gap.
+    pub fn height_at_m(&self, distance_m: f64) -> Option<f64> {
+        let [a, b] = self.legs().find(|[a, b]| a.distance_m <= distance_m && distance_m <= b.distance_m)?;
+        let share = (distance_m - a.distance_m) / (b.distance_m - a.distance_m);
+        Some(if share.is_finite() { a.point.z + (b.point.z - a.point.z) * share } else { a.point.z })
+    }
+
     /// Length in plan that lies on the surface, metres.
     pub fn covered_m(&self) -> f64 {
         self.legs().map(|[a, b]| b.distance_m - a.distance_m).sum()
@@ -209,6 +216,7 @@ mod tests {
         assert!((over.ground_m() - 2.0 * 34f64.sqrt()).abs() < 1e-12);
         assert_eq!(over.climb_and_descent_m(), [5.0, 5.0]);
         assert!((over.mean_slope_rad() - (5f64 / 3.0).atan()).abs() < 1e-12);
+        assert_eq!((over.height_at_m(2.5), over.height_at_m(0.5)), (Some(2.5), None));
         let [low, high] = over.lowest_and_highest().unwrap();
         assert_eq!((low.point.z, high.point.z), (0.0, 5.0));
         // along the border edge, and a line that only touches a corner
