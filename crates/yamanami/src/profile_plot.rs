@@ -25,7 +25,7 @@ pub fn write_profile_plot(section: &Section, title: &str, turns_m: &[f64], path:
         y_label: "height (m)".to_owned(),
         series,
         size_px: [1600, 640],
-        states_exaggeration: true,
+        is_section: true,
         ..Chart::default()
     };
     Ok(lines(path, &chart)?)

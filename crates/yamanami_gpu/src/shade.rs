@@ -4,7 +4,7 @@
 //! of the Island of Hawaii", 1992; warm light and cool shade follow: Eduard Imhof, "Kartographische Geländedarstellung",
 //! 1965.
 
-use crate::frame::Frame;
+use crate::frame::{COLOUR_ASPECT, COLOUR_SLOPE, Frame};
 use glam::{Vec2, Vec3, Vec4};
 use std::f32::consts::FRAC_1_SQRT_2;
 
@@ -40,7 +40,7 @@ pub(crate) fn aspect_colour(normal: Vec3) -> Vec3 {
     let steepness = across.length();
     let towards = if steepness > 1e-6 { across / steepness } else { Vec2::ZERO };
     let share = (steepness * ASPECT_STRENGTH).min(1.0);
-    let lightness = 0.72 + share * 0.10 * FRAC_1_SQRT_2 * (towards.y - towards.x);
+    let lightness = 0.72 + share * 0.13 * FRAC_1_SQRT_2 * (towards.y - towards.x);
     // hue 0 is red: north; clockwise over yellow (east) and green (south) to blue (west)
     oklab_to_linear(lightness, share * 0.125 * towards.y, share * 0.125 * towards.x)
 }
@@ -90,7 +90,10 @@ pub(crate) fn sky_colour(frame: &Frame, direction: Vec3) -> Vec3 {
 /// up or out, `underside` tells that the surface is seen from below or within.
 pub(crate) fn surface_colour(frame: &Frame, albedo: Vec3, from_eye: Vec3, normal: Vec3, underside: bool) -> Vec3 {
     let normal = if underside && frame.two_sided != 0 { -normal } else { normal };
-    let light = light_on(frame, normal) * if underside { UNDERSIDE } else { 1.0 };
+    // colours that measure the ground are not to be darkened by it
+    let is_measure = matches!(frame.colour, COLOUR_SLOPE | COLOUR_ASPECT);
+    let light = if is_measure { SUN_LIGHT + SKY_LIGHT } else { light_on(frame, normal) };
+    let light = light * if underside { UNDERSIDE } else { 1.0 };
     let haze = from_eye.length() * frame.haze_per_m;
     (albedo * light).lerp(rgb(frame.horizon), 1.0 - (-haze * haze).exp())
 }
@@ -131,6 +134,32 @@ mod tests {
         assert!(light(-0.5, 0.5) > light(0.0, 0.0));
         assert!(light(0.0, 0.0) > light(0.5, -0.5));
         assert!(light(0.5, -0.5) > 0.15, "shade is not black");
+    }
+
+    #[test]
+    fn aspects_differ_in_hue_and_level_ground_is_grey() {
+        let grey = aspect_colour(Vec3::Z);
+        assert!((grey.max_element() - grey.min_element()) < 1e-3);
+        let colours: Vec<Vec3> = (0..8)
+            .map(|k| {
+                let (east, north) = (k as f32 * std::f32::consts::FRAC_PI_4).sin_cos();
+                aspect_colour(Vec3::new(east, north, 1.0).normalize())
+            })
+            .collect();
+        for k in 0..8 {
+            assert!((colours[k] - colours[(k + 1) % 8]).length() > 0.1, "neighbours are told apart: {colours:?}");
+        }
+        // north-west is lightest, south-east darkest
+        let lightness = |c: &Vec3| c.dot(Vec3::new(0.2126, 0.7152, 0.0722));
+        assert!(colours.iter().all(|c| (lightness(&colours[3])..=lightness(&colours[7])).contains(&lightness(c))));
+    }
+
+    #[test]
+    fn water_is_darker_the_deeper_and_leaves_dry_land_alone() {
+        let frame = frame(&RenderOptions { water_level_m: Some(6.0), ..RenderOptions::default() });
+        let seen = |height| water_colour(&frame, Vec3::splat(0.5), height);
+        assert_eq!(seen(6.0), Vec3::splat(0.5));
+        assert!(seen(5.9).z > seen(5.9).x && seen(5.9).element_sum() > seen(1.0).element_sum());
     }
 
     #[test]

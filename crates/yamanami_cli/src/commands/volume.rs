@@ -134,6 +134,9 @@ fn report_water(args: &VolumeArgs, level_m: f64, w: &Water) -> Result<(), Failur
     out::row("flooded", format_args!("{} m²", decimals(w.area_m2)))?;
     out::row("water", format_args!("{} m³", decimals(w.volume_m3)))?;
     out::row("depth", format_args!("mean {:.3} m, at most {:.3} m", w.mean_depth_m(), w.greatest_depth_m))?;
+    if args.seed.is_some() && w.area_m2 == 0.0 {
+        note("note: the surface is above the level at --seed");
+    }
     if w.reaches_border {
         note("note: the water reaches the border of the surface: what lies beyond is not known");
     }

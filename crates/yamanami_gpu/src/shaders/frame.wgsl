@@ -86,7 +86,7 @@ fn aspect_colour(normal: vec3<f32>) -> vec3<f32> {
     let steepness = length(normal.xy);
     let towards = select(vec2(0.0), normal.xy / steepness, steepness > 1e-6);
     let share = min(steepness * ASPECT_STRENGTH, 1.0);
-    let lightness = 0.72 + share * 0.10 * 0.70710678 * (towards.y - towards.x);
+    let lightness = 0.72 + share * 0.13 * 0.70710678 * (towards.y - towards.x);
     return oklab_to_linear(lightness, share * 0.125 * towards.y, share * 0.125 * towards.x);
 }
 
@@ -134,7 +134,10 @@ fn sky_colour(direction: vec3<f32>) -> vec3<f32> {
 
 fn surface_colour(albedo: vec3<f32>, from_eye: vec3<f32>, normal: vec3<f32>, underside: bool) -> vec3<f32> {
     let turned = underside && frame.two_sided != 0u;
-    let light = light_on(select(normal, -normal, turned)) * select(1.0, UNDERSIDE, underside);
+    // colours that measure the ground are not to be darkened by it
+    let is_measure = frame.colour == COLOUR_SLOPE || frame.colour == COLOUR_ASPECT;
+    let lit = select(light_on(select(normal, -normal, turned)), SUN_LIGHT + SKY_LIGHT, is_measure);
+    let light = lit * select(1.0, UNDERSIDE, underside);
     let haze = length(from_eye) * frame.haze_per_m;
     return mix(albedo * light, frame.horizon.rgb, 1.0 - exp(-haze * haze));
 }

@@ -71,7 +71,7 @@ fn draw(chart: &Chart, root: &Area<'_>, px: i32) -> Result<(), Failure> {
     let x_axis = Axis::exact(values(0), chart.x_log);
     let reference = chart.reference.as_ref().map(|r| r.y).filter(|&y| is_drawable(y, chart.y_log));
     let zero = (chart.y_from_zero && !chart.y_log).then_some(0.0);
-    let y_axis = Axis::roomy(values(1).chain(reference).chain(zero), chart.y_log);
+    let y_axis = Axis::roomy(values(1).chain(reference).chain(zero), chart.y_log, !chart.is_section);
     let [left, right] = x_axis.ends();
 
     let mut context = ChartBuilder::on(&root.margin(top, 12 * px, 12 * px, 28 * px))
@@ -131,7 +131,7 @@ fn exaggeration(
     let [left, right] = area.as_coord_spec().x_spec().ends();
     let [low, high] = area.as_coord_spec().y_spec().ends();
     let times = (f64::from(height) / (high - low)) / (f64::from(width) / (right - left));
-    (chart.states_exaggeration && linear && times.is_finite()).then(|| {
+    (chart.is_section && linear && times.is_finite()).then(|| {
         let digits = (2.0 - times.log10()).clamp(0.0, 6.0) as usize;
         format!("{times:.digits$}")
     })

@@ -74,8 +74,9 @@ pub struct Chart {
     pub y_log: bool,
     /// A linear y axis that holds zero whatever the values.
     pub y_from_zero: bool,
-    /// Both axes have the same unit: the x label goes on to say how much taller than wide a unit is drawn.
-    pub states_exaggeration: bool,
+    /// A section: both axes are lengths, so that the x label goes on to say how much taller than wide a unit is drawn, and y
+    /// need not reach zero.
+    pub is_section: bool,
     /// A horizontal line that values are held against.
     pub reference: Option<Reference>,
 }
@@ -91,7 +92,7 @@ impl Default for Chart {
             x_log: false,
             y_log: false,
             y_from_zero: false,
-            states_exaggeration: false,
+            is_section: false,
             reference: None,
         }
     }
@@ -151,7 +152,7 @@ mod tests {
 
     #[test]
     fn the_exaggeration_is_stated_where_it_is_asked_for() {
-        let stated = Chart { states_exaggeration: true, ..chart() };
+        let stated = Chart { is_section: true, ..chart() };
         assert_ne!(drawn(&stated), drawn(&chart()));
     }
 
