@@ -2,11 +2,12 @@
 
 use crate::args::{ReadingArgs, SourceArgs};
 use crate::failure::Failure;
-use crate::progress::Bar;
+use crate::progress::{Bar, note};
 use std::path::{Path, PathBuf};
 use yamanami::core::{HeightField, TriangleMesh};
+use yamanami::io::tin_file::TinReadOptions;
 use yamanami::io::{IoError, dem, mesh_file, progressive, store::ClusterStore};
-use yamanami::{Criteria, Model, Terrain, WaveletModel};
+use yamanami::{FullSurface, Model, Terrain, WaveletModel};
 
 /// What a command works on.
 #[derive(Debug)]
@@ -44,13 +45,25 @@ pub(crate) fn is_progressive(path: &Path) -> Result<bool, Failure> {
 
 /// A mesh file as it is, or the finest mesh of a model's database.
 pub(crate) fn mesh(path: &Path) -> Result<TriangleMesh, Failure> {
-    if is_mesh(path) {
-        return Ok(mesh_file::read_mesh(path)?);
+    Ok(yamanami::finest_mesh(path)?)
+}
+
+/// All triangles of a terrain: a TIN, a mesh, a database, or elevation files. Tells on stderr what was dropped.
+pub(crate) fn full_surface(
+    sources: &[PathBuf],
+    reading: &ReadingArgs,
+    surface: Option<&str>,
+) -> Result<FullSurface, Failure> {
+    let tin = TinReadOptions { surface: surface.map(str::to_owned), ..TinReadOptions::default() };
+    let full = {
+        let bar = Bar::shares("opening");
+        FullSurface::open(sources, &reading.options(), &tin, &|share| bar.set_share(share))?
+    };
+    full.notes.iter().for_each(|line| note(&format!("note: {line}")));
+    if full.mesh.triangles.is_empty() {
+        return Err(Failure::failed(format!("{}: has no triangles", sources[0].display())));
     }
-    if is_progressive(path)? {
-        return Ok(WaveletModel::open(path, u64::MAX)?.finest());
-    }
-    Ok(yamanami::extract(&mut Model::open(path, &|_| ())?, &Criteria::default())?.mesh)
+    Ok(full)
 }
 
 /// Whether a file's name is that of a mesh.

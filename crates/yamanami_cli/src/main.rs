@@ -9,6 +9,7 @@ mod failure;
 mod inputs;
 mod out;
 mod pictures;
+mod places;
 mod progress;
 mod text;
 mod values;

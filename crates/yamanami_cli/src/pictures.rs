@@ -2,7 +2,7 @@
 
 use crate::failure::Failure;
 use crate::progress::note;
-use crate::{inputs, values};
+use crate::{inputs, out, values};
 use clap::{Args, ValueEnum};
 use image::{DynamicImage, ImageFormat, RgbaImage};
 use std::io::Cursor;
@@ -28,6 +28,10 @@ enum Colour {
     Level,
     /// One light grey
     Plain,
+    /// Angle to the horizontal: level is light, 60° and more is dark
+    Slope,
+    /// Direction of fall: north red, east yellow, south green, west blue, level grey
+    Aspect,
 }
 
 /// How a picture looks.
@@ -44,9 +48,12 @@ pub(crate) struct StyleArgs {
     /// Draw the edges of the triangles
     #[arg(long)]
     wireframe: bool,
-    /// Models: one normal a triangle, so that the triangles show
+    /// One normal a triangle, so that the triangles show
     #[arg(long)]
     flat: bool,
+    /// Height of a water surface: what lies below is tinted blue, darker with depth
+    #[arg(long, value_name = "M", value_parser = values::number, allow_hyphen_values = true)]
+    water: Option<f64>,
     /// One sample a pixel instead of four
     #[arg(long)]
     one_sample: bool,
@@ -82,6 +89,8 @@ impl StyleArgs {
             Some(Colour::Height) => ColourBy::Height,
             Some(Colour::Level) => ColourBy::Level,
             Some(Colour::Plain) => ColourBy::Plain(GREY),
+            Some(Colour::Slope) => ColourBy::Slope,
+            Some(Colour::Aspect) => ColourBy::Aspect,
         };
         self.common(RenderOptions { colour, ..usual })
     }
@@ -90,6 +99,7 @@ impl StyleArgs {
         RenderOptions {
             wireframe: self.wireframe.then(Wireframe::default),
             flat: self.flat,
+            water_level_m: self.water,
             antialias: !self.one_sample,
             ..options
         }
@@ -110,15 +120,7 @@ pub(crate) fn write(file: &Path, picture: RgbaImage) -> Result<(), Failure> {
     let format = ImageFormat::from_path(file).map_err(failed)?;
     let mut bytes = Cursor::new(Vec::new());
     DynamicImage::ImageRgba8(picture).into_rgb8().write_to(&mut bytes, format).map_err(failed)?;
-    let mut part = file.as_os_str().to_owned();
-    part.push(".part");
-    let part = PathBuf::from(part);
-    let written = std::fs::write(&part, bytes.into_inner()).and_then(|()| std::fs::rename(&part, file));
-    written.map_err(|e| {
-        // the first error is the one to tell
-        let _ = std::fs::remove_file(&part);
-        IoError::io(file, e).into()
-    })
+    out::file(file, &bytes.into_inner())
 }
 
 /// An image laid over a terrain.

@@ -52,6 +52,24 @@ pub(crate) fn place(text: &str) -> Result<[f64; 3], String> {
     numbers.ok().and_then(|v| v.try_into().ok()).ok_or_else(expected)
 }
 
+/// `X,Y`.
+pub(crate) fn plan_place(text: &str) -> Result<[f64; 2], String> {
+    let numbers: Result<Vec<f64>, String> = text.split(',').map(number).collect();
+    numbers
+        .ok()
+        .and_then(|v| v.try_into().ok())
+        .ok_or_else(|| "expected two numbers X,Y in the source's CRS".to_owned())
+}
+
+/// `X,Y X,Y …`: the corners of a line.
+pub(crate) fn line(text: &str) -> Result<Vec<[f64; 2]>, String> {
+    let places: Result<Vec<_>, _> = text.split([' ', ';']).filter(|t| !t.is_empty()).map(plan_place).collect();
+    places
+        .ok()
+        .filter(|p| p.len() >= 2)
+        .ok_or_else(|| "expected two or more places, as \"X,Y X,Y\" in quotes, in the source's CRS".to_owned())
+}
+
 /// `WIDTHxHEIGHT` in pixels.
 pub(crate) fn picture_size(text: &str) -> Result<[u32; 2], String> {
     two(text)
@@ -192,6 +210,9 @@ mod tests {
         for wrong in ["1,2", "1,2,3,4", "1,2,nan", "a,b,c", ""] {
             assert!(place(wrong).unwrap_err().contains("X,Y,Z"), "{wrong}");
         }
+        assert_eq!(plan_place("-71.3,44.27"), Ok([-71.3, 44.27]));
+        assert_eq!(line("-1,2; 3,4 5,-6"), Ok(vec![[-1.0, 2.0], [3.0, 4.0], [5.0, -6.0]]));
+        assert!(plan_place("1").is_err() && line("1,2").is_err() && line("1,2 3").is_err());
         assert_eq!(picture_size("1920x1080"), Ok([1920, 1080]));
         assert!(picture_size("0x10").is_err() && picture_size("99999x10").is_err() && picture_size("12").is_err());
         assert!(grid_size("1x9").is_err() && grid_size("100000x100000").is_err());

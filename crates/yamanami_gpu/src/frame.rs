@@ -1,7 +1,7 @@
 //! What one picture needs to know, worked out once in `f64` and handed to the shaders and to their software twin alike.
 
-use crate::palette::{LEVELS, Ramp, STOPS, TINT, linear};
-use crate::{Background, ColourBy, GpuError, Haze, RenderOptions, Shading};
+use crate::palette::{LEVELS, Ramp, SLOPES, STOPS, TINT, linear};
+use crate::{Background, ColourBy, GpuError, Haze, RenderOptions, STEEP_RAD, Shading};
 use glam::{DVec3, Mat4, Vec3, Vec4};
 use yamanami_core::{Aabb, Perspective, View};
 
@@ -44,6 +44,8 @@ pub(crate) struct Frame {
     /// Image coordinates from metres relative to the origin.
     pub(crate) drape_u: [f32; 4],
     pub(crate) drape_v: [f32; 4],
+    /// Height of the water relative to the origin, 1 / depth at which it is two thirds dark, 1 where there is water.
+    pub(crate) water: [f32; 4],
     /// Linear colour and place of each stop.
     pub(crate) ramp: [[f32; 4]; STOPS],
     /// One of the `COLOUR_*` numbers.
@@ -71,6 +73,11 @@ pub(crate) const COLOUR_DRAPE: u32 = 3;
 /// [`Frame::colour`]: the vertices' colours.
 pub(crate) const COLOUR_VERTEX: u32 = 4;
 
+/// [`Frame::colour`]: the ramp by slope.
+pub(crate) const COLOUR_SLOPE: u32 = 5;
+/// [`Frame::colour`]: the circle of hues by aspect.
+pub(crate) const COLOUR_ASPECT: u32 = 6;
+
 /// Azimuth of the side lights from the main light, radians.
 const SIDE_AZIMUTH_RAD: f32 = 1.3;
 /// Shares of the main light and of each side light.
@@ -78,6 +85,8 @@ const LIGHT_SHARES: [f32; 3] = [0.70, 0.15, 0.15];
 /// Lights on models: right, up and towards the eye, and share.
 const MODEL_LIGHTS: [([f64; 3], f32); 3] =
     [([-0.55, 0.65, 0.60], 0.62), ([0.80, 0.05, 0.60], 0.16), ([0.0, 0.0, 1.0], 0.30)];
+/// Water is two thirds dark at this share of the range of heights.
+const WATER_RANGE_SHARE: f64 = 0.12;
 /// Haze is two thirds at this many diagonals of the mesh's box.
 const HAZE_DIAGONALS: f64 = 3.0;
 
@@ -91,11 +100,12 @@ impl Frame {
             Shading::Relief => relief_lights(options),
             Shading::Model => model_lights([right, right.cross(forward), -forward]),
         };
+        let range_m = options.tint_range_m.unwrap_or([bounds.min.z + origin.z, bounds.max.z + origin.z]);
         let (ramp, ramp_start, ramp_end) = match options.colour {
             ColourBy::Level => (LEVELS, 0.0, 1.0),
+            ColourBy::Slope => (SLOPES, 0.0, f64::from(STEEP_RAD)),
             _ => {
-                let own = [bounds.min.z + origin.z, bounds.max.z + origin.z];
-                let [low, high] = options.tint_range_m.unwrap_or(own).map(|z| z - origin.z);
+                let [low, high] = range_m.map(|z| z - origin.z);
                 if low < high { (TINT, low, high) } else { (TINT, low.min(1e9), low.min(1e9) + 1.0) }
             }
         };
@@ -116,6 +126,8 @@ impl Frame {
             ColourBy::Drape if options.drape.is_some() => (COLOUR_DRAPE, [0; 3]),
             ColourBy::Drape => (COLOUR_HEIGHT, [0; 3]),
             ColourBy::Vertex => (COLOUR_VERTEX, [0; 3]),
+            ColourBy::Slope => (COLOUR_SLOPE, [0; 3]),
+            ColourBy::Aspect => (COLOUR_ASPECT, [0; 3]),
         };
         let wire = options.wireframe.unwrap_or_default();
         let morph = options.morph.map_or([1.0, 0.0], |morph| [morph.tau_px.max(1e-6), morph.width.max(0.0)]);
@@ -144,6 +156,10 @@ impl Frame {
             ground: linear(ground).extend(1.0).to_array(),
             drape_u: local_drape[0].to_array(),
             drape_v: local_drape[1].to_array(),
+            water: options.water_level_m.filter(|z| z.is_finite()).map_or([0.0; 4], |level_m| {
+                let dark_m = (WATER_RANGE_SHARE * (range_m[1] - range_m[0])).clamp(0.01, 1e6);
+                [(level_m - origin.z).clamp(-1e9, 1e9) as f32, (1.0 / dark_m) as f32, 1.0, 0.0]
+            }),
             ramp: linear_ramp(ramp),
             colour,
             encode_srgb: 0,

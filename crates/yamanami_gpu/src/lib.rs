@@ -46,7 +46,7 @@ pub use frame::depth_planes_m;
 pub use gpu::{Gpu, Renderer, ResidentMesh, UploadStats};
 pub use morph::{Morph, morph_weight, morphed_height_m};
 pub use normals::vertex_normals;
-pub use options::{Background, ColourBy, Haze, Light, RenderOptions, Shading, Wireframe};
+pub use options::{Background, ColourBy, Haze, Light, RenderOptions, STEEP_RAD, Shading, Wireframe};
 pub use vertex::{GpuVertex, TRIANGLE_BYTES, UNBOUNDED_M, VERTEX_BYTES, pack_normal, unpack_normal};
 #[cfg(feature = "wgpu")]
 pub use wgpu;

@@ -1,7 +1,7 @@
 //! How a picture is to look.
 
 use crate::{Drape, Morph};
-use std::f32::consts::{FRAC_PI_4, PI};
+use std::f32::consts::{FRAC_PI_3, FRAC_PI_4, PI};
 use std::sync::Arc;
 
 /// Style of a picture. The default is a hill-shaded hypsometric relief under a sky.
@@ -26,6 +26,8 @@ pub struct RenderOptions {
     pub morph: Option<Morph>,
     /// Edges drawn over the surface.
     pub wireframe: Option<Wireframe>,
+    /// Height of a water surface in metres (local metric frame): what lies below is tinted blue, darker with depth.
+    pub water_level_m: Option<f64>,
     /// Aerial haze.
     pub haze: Haze,
     /// What is seen beside the surface.
@@ -50,7 +52,15 @@ pub enum ColourBy {
     Plain([u8; 3]),
     /// The colours of the vertices.
     Vertex,
+    /// Angle to the horizontal, by the normals that light falls on ([`RenderOptions::flat`]: the triangles' own): level is
+    /// light, [`STEEP_RAD`] and more is dark.
+    Slope,
+    /// Direction in which water runs off: a circle of hues, north is red, level ground grey.
+    Aspect,
 }
+
+/// Slope at the dark end of the ramp of [`ColourBy::Slope`], radians.
+pub const STEEP_RAD: f32 = FRAC_PI_3;
 
 /// How light falls on the surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -121,6 +131,7 @@ impl Default for RenderOptions {
             light: Light::default(),
             morph: None,
             wireframe: None,
+            water_level_m: None,
             haze: Haze::default(),
             background: Background::default(),
             depth_planes_m: None,

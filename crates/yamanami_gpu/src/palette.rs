@@ -33,6 +33,18 @@ pub(crate) const LEVELS: Ramp = [
     (1.0, [253, 231, 37]),
 ];
 
+/// Slopes: cream where level, over ochre and brick to a dark violet. Lightness only falls.
+pub(crate) const SLOPES: Ramp = [
+    (0.0, [252, 248, 226]),
+    (0.083_333, [246, 226, 170]),
+    (0.166_667, [238, 198, 118]),
+    (0.25, [226, 166, 84]),
+    (0.416_667, [196, 112, 72]),
+    (0.583_333, [152, 70, 74]),
+    (0.75, [102, 42, 76]),
+    (1.0, [46, 16, 56]),
+];
+
 /// Linear light of an sRGB colour.
 pub(crate) fn linear(srgb: [u8; 3]) -> Vec3 {
     Vec3::from_array(srgb.map(|v| srgb_to_linear(f32::from(v) / 255.0)))
@@ -99,8 +111,10 @@ mod tests {
     }
 
     #[test]
-    fn both_ramps_grow_lighter_for_every_kind_of_colour_vision() {
-        for ramp in [TINT, LEVELS] {
+    fn ramps_grow_lighter_for_every_kind_of_colour_vision() {
+        let mut slopes = SLOPES.map(|(place, colour)| (1.0 - place, colour));
+        slopes.reverse();
+        for ramp in [TINT, LEVELS, slopes] {
             for rows in DEFICIENCIES {
                 let seen = |stop: usize| {
                     let colour = linear(ramp[stop].1);

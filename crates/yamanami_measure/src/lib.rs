@@ -2,7 +2,7 @@
 //!
 //! [`vertical_error`] holds a terrain mesh against every sample of its height field, [`conformity`] looks for cracks,
 //! T-vertices and flipped triangles, [`mesh_defects`] for what is wrong with a scan, [`surface_distance`] gives the
-//! two-sided distance of any two meshes, [`ssim`] and [`flip`] compare pictures, and [`plot`] draws what was measured.
+//! two-sided distance of any two meshes, [`tin`] what is exact on terrain surfaces (heights, sections, volumes), [`ssim`] and [`flip`] compare pictures, and [`plot`] draws what was measured.
 #![forbid(unsafe_code)]
 
 mod bvh;
@@ -17,6 +17,7 @@ mod picture;
 mod places;
 pub mod plot;
 mod ssim;
+pub mod tin;
 mod vertical;
 
 pub use bvh::{Closest, SurfaceIndex};

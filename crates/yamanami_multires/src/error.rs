@@ -102,6 +102,12 @@ pub enum MultiresError {
         /// Triangles given or asked for.
         triangles: usize,
     },
+    /// Points that span no triangle in plan.
+    #[error("no triangle can be made of {points} points: expected at least three places that are not on one line")]
+    NoNetwork {
+        /// Usable points, those of lines with them.
+        points: usize,
+    },
     /// Blocks that are too many, or that make too many triangles or levels.
     #[error("{count} {what}, at most {most} can be numbered")]
     TooManyBlocks {

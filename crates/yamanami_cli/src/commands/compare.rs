@@ -12,6 +12,7 @@ use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use yamanami::core::{HeightField, TriangleMesh};
 use yamanami::io::dem;
+use yamanami::measure::tin::{PlanIndex, VerticalDifference, vertical_difference};
 use yamanami::measure::{FLIP_PIXELS_PER_DEGREE, flip, mean_abs_difference, ssim, surface_distance};
 
 /// Measure how far two terrains, meshes or pictures are apart
@@ -19,7 +20,8 @@ use yamanami::measure::{FLIP_PIXELS_PER_DEGREE, flip, mean_abs_difference, ssim,
 #[command(after_help = "\
 Examples:
   yamanami compare dem.tif dem.glb        vertical error at every sample, and whether the mesh has cracks
-  yamanami compare a.ply b.ply            distance both ways: RMS and Hausdorff
+  yamanami compare a.ply b.ply            distance both ways: RMS and Hausdorff; of two terrains the exact
+                                          vertical difference, too
   yamanami compare scan.ply scan.yama     the same, of the finest mesh in a model's database
   yamanami compare dem.tif dem.yama       differences sample by sample
   yamanami compare a.png b.png            SSIM, FLIP and mean difference")]
@@ -93,9 +95,9 @@ fn meshes(args: &CompareArgs) -> Result<(), Failure> {
             return Err(Failure::failed(format!("{}: has no triangles", path.display())));
         }
     }
-    let distance = {
+    let (distance, vertical) = {
         let _bar = Bar::spinner("comparing");
-        surface_distance(&a, &b, args.samples as usize, 1)
+        (surface_distance(&a, &b, args.samples as usize, 1), vertical(&a, &b))
     };
     let ways = [("a_to_b", &distance.a_to_b), ("b_to_a", &distance.b_to_a)];
     if args.json {
@@ -109,6 +111,14 @@ fn meshes(args: &CompareArgs) -> Result<(), Failure> {
         for (name, way) in ways {
             let worst = [way.worst.x, way.worst.y, way.worst.z];
             result[name] = json!({ "rms_m": way.rms_m, "mean_m": way.mean_m, "max_m": way.max_m, "worst": worst });
+        }
+        if let Some(v) = vertical {
+            result["max_vertical_m"] = json!(v.max_m);
+            result["rms_vertical_m"] = json!(v.rms_m);
+            result["mean_vertical_m"] = json!(v.mean_m);
+            result["mean_signed_vertical_m"] = json!(v.mean_signed_m);
+            result["worst_vertical"] = json!(v.worst.map(|p| [p.x, p.y]));
+            result["overlap_m2"] = json!(v.overlap_m2);
         }
         return out::json(&result);
     }
@@ -127,7 +137,19 @@ fn meshes(args: &CompareArgs) -> Result<(), Failure> {
             text::number(way.max_m)
         ))?;
     }
-    Ok(())
+    let Some(v) = vertical else { return Ok(()) };
+    let place = v.worst.map_or(String::new(), |p| format!(" (at {:.2}, {:.2})", p.x, p.y));
+    let [rms, mean, signed] = [v.rms_m, v.mean_m, v.mean_signed_m].map(text::number);
+    out::row("vertical", format_args!("at most {} m{place}", text::number(v.max_m)))?;
+    out::row("", format_args!("rms {rms} m, mean {mean} m, the second higher by {signed} m on the mean"))?;
+    out::row("", format_args!("exact, over all of the {} m² that both cover", text::number(v.overlap_m2)))
+}
+
+/// The vertical difference of two terrain surfaces that overlap; models have none.
+fn vertical(a: &TriangleMesh, b: &TriangleMesh) -> Option<VerticalDifference> {
+    let index = PlanIndex::new(b);
+    let both = PlanIndex::new(a).is_terrain() && index.is_terrain();
+    both.then(|| vertical_difference(a, &index)).filter(|v| v.overlap_m2 > 0.0)
 }
 
 /// The heights of an elevation file or of a database.

@@ -12,10 +12,12 @@ mod flight_path;
 mod flight_text;
 mod fly;
 mod generate;
+mod heights;
 mod info;
 mod info_mesh;
 mod info_model;
 mod info_text;
+mod profile;
 mod progressive;
 mod reduce;
 mod reduce_memory;
@@ -25,6 +27,7 @@ mod render;
 mod render_model;
 mod reproduce;
 mod view;
+mod volume;
 mod wavelet;
 mod wavelet_text;
 
@@ -68,6 +71,9 @@ enum Command {
     Extract(Box<extract::ExtractArgs>),
     Reduce(Box<reduce::ReduceArgs>),
     Compare(compare::CompareArgs),
+    Heights(heights::HeightsArgs),
+    Profile(profile::ProfileArgs),
+    Volume(volume::VolumeArgs),
     Generate(generate::GenerateArgs),
     Remesh(remesh::RemeshCommand),
     Wavelet(wavelet::WaveletArgs),
@@ -86,6 +92,9 @@ impl Program {
             Command::Extract(args) => extract::run(args),
             Command::Reduce(args) => reduce::run(args),
             Command::Compare(args) => compare::run(args),
+            Command::Heights(args) => heights::run(args),
+            Command::Profile(args) => profile::run(args),
+            Command::Volume(args) => volume::run(args),
             Command::Generate(args) => generate::run(args),
             Command::Remesh(args) => remesh::run(args),
             Command::Wavelet(args) => wavelet::run(args),

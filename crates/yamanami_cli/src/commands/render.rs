@@ -26,6 +26,8 @@ Examples:
   yamanami render dem.yama -o fuji.png --eye 138.6,35.2,6000 --target 138.73,35.36,3000
                                                              from a place in the source's CRS
   yamanami render dem.tif -o map.png --image aerial.jpg      with an image laid over it
+  yamanami render dem.tif -o slope.png --colour slope        where it is steep; aspect: where it falls to
+  yamanami render dem.tif -o lake.png --water 620            with water up to 620 m
   yamanami render scan.ply -o scan.png                       a model, from the south-east")]
 pub(crate) struct RenderArgs {
     #[command(flatten)]

@@ -23,6 +23,7 @@ struct Frame {
     ground: vec4<f32>,
     drape_u: vec4<f32>,
     drape_v: vec4<f32>,
+    water: vec4<f32>,
     ramp: array<vec4<f32>, 8>,
     colour: u32,
     encode_srgb: u32,
@@ -37,10 +38,15 @@ const COLOUR_HEIGHT = 1u;
 const COLOUR_LEVEL = 2u;
 const COLOUR_DRAPE = 3u;
 const COLOUR_VERTEX = 4u;
+const COLOUR_SLOPE = 5u;
+const COLOUR_ASPECT = 6u;
 
 const SUN_LIGHT = vec3<f32>(0.74, 0.70, 0.62);
 const SKY_LIGHT = vec3<f32>(0.20, 0.24, 0.31);
 const UNDERSIDE = 0.35;
+const ASPECT_STRENGTH = 6.0;
+const SHALLOW_WATER = vec3<f32>(0.22, 0.52, 0.75);
+const DEEP_WATER = vec3<f32>(0.008, 0.05, 0.19);
 const LEAST_DISTANCE_M = 1e-3;
 
 @group(0) @binding(0) var<uniform> frame: Frame;
@@ -76,6 +82,38 @@ fn ramp_colour(t: f32) -> vec3<f32> {
     return colour;
 }
 
+fn aspect_colour(normal: vec3<f32>) -> vec3<f32> {
+    let steepness = length(normal.xy);
+    let towards = select(vec2(0.0), normal.xy / steepness, steepness > 1e-6);
+    let share = min(steepness * ASPECT_STRENGTH, 1.0);
+    let lightness = 0.72 + share * 0.13 * 0.70710678 * (towards.y - towards.x);
+    return oklab_to_linear(lightness, share * 0.125 * towards.y, share * 0.125 * towards.x);
+}
+
+fn oklab_to_linear(lightness: f32, a: f32, b: f32) -> vec3<f32> {
+    let root = vec3(
+        lightness + 0.39633778 * a + 0.21580376 * b,
+        lightness - 0.105561346 * a - 0.06385417 * b,
+        lightness - 0.08948418 * a - 1.2914855 * b,
+    );
+    let lms = root * root * root;
+    let linear = vec3(
+        dot(lms, vec3(4.0767417, -3.3077116, 0.23096994)),
+        dot(lms, vec3(-1.268438, 2.6097574, -0.3413194)),
+        dot(lms, vec3(-0.0041960863, -0.7034186, 1.7076147)),
+    );
+    return clamp(linear, vec3(0.0), vec3(1.0));
+}
+
+fn water_colour(albedo: vec3<f32>, height: f32) -> vec3<f32> {
+    let depth = frame.water.x - height;
+    if frame.water.z == 0.0 || depth <= 0.0 {
+        return albedo;
+    }
+    let clear = exp(-depth * frame.water.y);
+    return mix(albedo, mix(DEEP_WATER, SHALLOW_WATER, clear), 0.96 - 0.36 * clear);
+}
+
 fn light_on(normal: vec3<f32>) -> vec3<f32> {
     var lit = 0.0;
     for (var i = 0u; i < 3u; i++) {
@@ -96,7 +134,10 @@ fn sky_colour(direction: vec3<f32>) -> vec3<f32> {
 
 fn surface_colour(albedo: vec3<f32>, from_eye: vec3<f32>, normal: vec3<f32>, underside: bool) -> vec3<f32> {
     let turned = underside && frame.two_sided != 0u;
-    let light = light_on(select(normal, -normal, turned)) * select(1.0, UNDERSIDE, underside);
+    // colours that measure the ground are not to be darkened by it
+    let is_measure = frame.colour == COLOUR_SLOPE || frame.colour == COLOUR_ASPECT;
+    let lit = select(light_on(select(normal, -normal, turned)), SUN_LIGHT + SKY_LIGHT, is_measure);
+    let light = lit * select(1.0, UNDERSIDE, underside);
     let haze = length(from_eye) * frame.haze_per_m;
     return mix(albedo * light, frame.horizon.rgb, 1.0 - exp(-haze * haze));
 }

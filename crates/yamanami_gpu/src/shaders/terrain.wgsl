@@ -28,8 +28,7 @@ fn terrain_vertex(
     return place(position, fade.x, fade.y, fade.z, normal_and_paint.x, normal_and_paint.y);
 }
 
-fn albedo_of(in: Surface) -> vec3<f32> {
-    let local = in.from_eye + frame.eye.xyz;
+fn albedo_of(in: Surface, local: vec3<f32>, normal: vec3<f32>) -> vec3<f32> {
     if frame.colour == COLOUR_PLAIN {
         return frame.plain.rgb;
     }
@@ -38,6 +37,12 @@ fn albedo_of(in: Surface) -> vec3<f32> {
     }
     if frame.colour == COLOUR_LEVEL {
         return ramp_colour(in.level * frame.ramp_per_level);
+    }
+    if frame.colour == COLOUR_SLOPE {
+        return ramp_colour((acos(min(abs(normal.z), 1.0)) - frame.ramp_start) * frame.ramp_scale);
+    }
+    if frame.colour == COLOUR_ASPECT {
+        return aspect_colour(normal);
     }
     let tint = ramp_colour((local.z - frame.ramp_start) * frame.ramp_scale);
     if frame.colour == COLOUR_DRAPE {
@@ -62,7 +67,9 @@ fn lit(in: Surface, front: bool) -> vec3<f32> {
     if frame.flat_normals != 0u {
         normal = flat_normal(in.at_pixel, front);
     }
-    return surface_colour(albedo_of(in), in.from_eye, normal, !front);
+    let local = in.from_eye + frame.eye.xyz;
+    let albedo = water_colour(albedo_of(in, local, normal), local.z);
+    return surface_colour(albedo, in.from_eye, normal, !front);
 }
 
 @fragment

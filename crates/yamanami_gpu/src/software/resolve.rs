@@ -2,9 +2,9 @@
 
 use super::place::{PlacedVertex, SUBPIXELS};
 use super::raster::{Band, NOTHING, Sample};
-use crate::frame::{COLOUR_DRAPE, COLOUR_LEVEL, COLOUR_PLAIN, COLOUR_VERTEX, Frame};
+use crate::frame::{COLOUR_ASPECT, COLOUR_DRAPE, COLOUR_LEVEL, COLOUR_PLAIN, COLOUR_SLOPE, COLOUR_VERTEX, Frame};
 use crate::palette::{SrgbEncoder, srgb_to_linear};
-use crate::shade::{ramp_colour, rgb, sky_colour, surface_colour, wire_share};
+use crate::shade::{aspect_colour, ramp_colour, rgb, sky_colour, surface_colour, water_colour, wire_share};
 use crate::{Drape, GpuVertex, ResidentBuffers};
 use glam::{DMat3, DVec2, DVec3, Vec2, Vec3, Vec4};
 use image::RgbaImage;
@@ -101,7 +101,8 @@ impl<'a> Resolver<'a> {
             let down = mix(shares.at(self.ndc(pixel + DVec2::Y)).as_vec3(), placed.map(|v| v.from_eye));
             [across - from_eye, down - from_eye]
         };
-        let albedo = self.albedo(b, stored, from_eye, footprint);
+        let local = from_eye + rgb(self.frame.eye);
+        let albedo = water_colour(self.frame, self.albedo(b, stored, local, normal, footprint), local.z);
         let colour = surface_colour(self.frame, albedo, from_eye, normal, underside);
         if self.frame.wire[3] <= 0.0 {
             return colour;
@@ -114,7 +115,14 @@ impl<'a> Resolver<'a> {
         colour.lerp(rgb(self.frame.wire), wire_share(self.frame, b, slope))
     }
 
-    fn albedo(&self, b: Vec3, corners: [&GpuVertex; 3], from_eye: Vec3, footprint: impl Fn() -> [Vec3; 2]) -> Vec3 {
+    fn albedo(
+        &self,
+        b: Vec3,
+        corners: [&GpuVertex; 3],
+        local: Vec3,
+        normal: Vec3,
+        footprint: impl Fn() -> [Vec3; 2],
+    ) -> Vec3 {
         let frame = self.frame;
         if frame.colour == COLOUR_PLAIN {
             return rgb(frame.plain);
@@ -126,7 +134,12 @@ impl<'a> Resolver<'a> {
             let level = b.dot(Vec3::from_array(corners.map(|v| v.level() as f32)));
             return ramp_colour(frame, level * frame.ramp_per_level);
         }
-        let local = from_eye + rgb(frame.eye);
+        if frame.colour == COLOUR_SLOPE {
+            return ramp_colour(frame, (normal.z.abs().min(1.0).acos() - frame.ramp_start) * frame.ramp_scale);
+        }
+        if frame.colour == COLOUR_ASPECT {
+            return aspect_colour(normal);
+        }
         let tint = ramp_colour(frame, (local.z - frame.ramp_start) * frame.ramp_scale);
         let (COLOUR_DRAPE, Some(drape)) = (frame.colour, self.drape) else { return tint };
         let [u, v] = [rgb(frame.drape_u), rgb(frame.drape_v)];

@@ -3,9 +3,11 @@
 //! The engine keeps every grid in the CRS of its file, so only a few systems need to be known by formula: those that
 //! elevation data of Japan and of world-wide products come in. Conversions stay within a system's own datum.
 
+mod metric;
 mod table;
 mod transverse_mercator;
 
+pub use metric::metric_crs_at;
 use table::Projection;
 use yamanami_core::Crs;
 

@@ -58,6 +58,11 @@ const JAPAN_PLANE_RECTANGULAR: [(&str, f64, [f64; 2]); 19] = [
     ("XIX", 26.0, [154.0, 0.0]),
 ];
 
+/// Latitude and longitude of origin of the Japanese plane rectangular zones, in degrees.
+pub(super) fn japan_plane_rectangular_origins() -> impl Iterator<Item = [f64; 2]> {
+    JAPAN_PLANE_RECTANGULAR.iter().map(|(_, lat, [degrees, minutes])| [*lat, degrees + minutes / 60.0])
+}
+
 /// Name and projection of a code.
 pub(super) fn look_up(epsg: u32) -> Option<(String, Projection)> {
     if let Some((_, name)) = GEOGRAPHIC.iter().find(|(code, _)| *code == epsg) {

@@ -27,6 +27,7 @@ mod write;
 pub use mosaic::DemFile;
 pub use sample_type::SampleType;
 pub use tile::TileEncoding;
+pub(crate) use tile_name::tile_from_path;
 pub use write::{write_asc, write_geotiff};
 
 use crate::IoError;

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 /// Writes beside the path (`name.part`), makes sure of the bytes and only then takes the name. On failure nothing is
 /// left behind, and an old file keeps its content.
-pub(super) fn write(
+pub(crate) fn write(
     path: &Path,
     packing: Packing,
     content: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,

@@ -13,7 +13,7 @@
 //! What is read back is in metres, z up, checked: every position finite, every index in range, every attribute one a
 //! vertex or absent. Polygons come as triangles; repeated corners and faces are the model's own affair and stay.
 
-mod atomic;
+pub(crate) mod atomic;
 mod checked;
 mod companions;
 mod glb_write;
@@ -28,7 +28,7 @@ mod obj_read;
 mod obj_write;
 mod off;
 mod origin;
-mod packing;
+pub(crate) mod packing;
 mod ply_header;
 mod ply_read;
 mod ply_values;

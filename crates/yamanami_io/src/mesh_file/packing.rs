@@ -1,8 +1,8 @@
-//! gzip and zstd around a mesh file, by the end of its name.
+//! gzip and zstd around a mesh or TIN file, by the end of its name.
 
 use crate::IoError;
 use std::borrow::Cow;
-use std::io::{BufWriter, Read, Write};
+use std::io::{BufRead, BufReader, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 
 /// Most bytes that a packed mesh file may unpack to, and how many more than the packed ones: meshes pack a hundredfold
@@ -13,7 +13,7 @@ pub(super) const UNPACKED_FOLD: u64 = 1000;
 
 /// How a file is packed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Packing {
+pub(crate) enum Packing {
     None,
     Gzip,
     Zstd,
@@ -21,7 +21,7 @@ pub(super) enum Packing {
 
 impl Packing {
     /// The packing that a name states, and the name without it.
-    pub(super) fn of(name: &Path) -> (Self, PathBuf) {
+    pub(crate) fn of(name: &Path) -> (Self, PathBuf) {
         let is = |end: &str| name.extension().is_some_and(|e| e.eq_ignore_ascii_case(end));
         match () {
             () if is("gz") => (Self::Gzip, name.with_extension("")),
@@ -49,6 +49,21 @@ impl Packing {
         Ok(Cow::Owned(unpacked))
     }
 
+    /// Unpacks while it is read. Beyond the limit is an error that says so.
+    pub(crate) fn reader<'a>(
+        self,
+        packed: impl BufRead + 'a,
+        packed_bytes: u64,
+    ) -> std::io::Result<Box<dyn BufRead + 'a>> {
+        let left = packed_bytes.saturating_mul(UNPACKED_FOLD).max(UNPACKED_FREE);
+        let buffered = |bytes: Box<dyn Read + 'a>| BufReader::with_capacity(1 << 16, Limited { bytes, left });
+        Ok(match self {
+            Self::None => Box::new(packed),
+            Self::Gzip => Box::new(buffered(Box::new(flate2::bufread::MultiGzDecoder::new(packed)))),
+            Self::Zstd => Box::new(buffered(Box::new(zstd::stream::read::Decoder::with_buffer(packed)?))),
+        })
+    }
+
     pub(super) fn write(
         self,
         out: &mut impl Write,
@@ -72,5 +87,22 @@ impl Packing {
                 Ok(())
             }
         }
+    }
+}
+
+/// Passes so many bytes on, then fails.
+struct Limited<R> {
+    bytes: R,
+    left: u64,
+}
+
+impl<R: Read> Read for Limited<R> {
+    fn read(&mut self, out: &mut [u8]) -> std::io::Result<usize> {
+        let count = self.bytes.read(out)?;
+        self.left = self.left.checked_sub(count as u64).ok_or_else(|| {
+            let why = "far more bytes unpacked than a file of this kind has";
+            std::io::Error::new(std::io::ErrorKind::InvalidData, why)
+        })?;
+        Ok(count)
     }
 }

@@ -37,14 +37,14 @@ impl Axis {
         Self { range, logarithmic }
     }
 
-    /// An axis with some air around these values, from zero where that is near.
-    pub(super) fn roomy(values: impl Iterator<Item = f64>, logarithmic: bool) -> Self {
+    /// An axis with some air around these values, from zero where that is near and wanted.
+    pub(super) fn roomy(values: impl Iterator<Item = f64>, logarithmic: bool, from_zero: bool) -> Self {
         let Range { start: low, end: high } = Self::exact(values, logarithmic).range;
         let range = if logarithmic {
             let air = (high / low).powf(0.05);
             low / air..high * air
         } else {
-            let start = if low >= 0.0 && low < 0.5 * high { 0.0 } else { low - 0.05 * (high - low) };
+            let start = if from_zero && low >= 0.0 && low < 0.5 * high { 0.0 } else { low - 0.05 * (high - low) };
             start..high + 0.06 * (high - start)
         };
         Self { range, logarithmic }

@@ -71,13 +71,17 @@ fn draw(chart: &Chart, root: &Area<'_>, px: i32) -> Result<(), Failure> {
     let x_axis = Axis::exact(values(0), chart.x_log);
     let reference = chart.reference.as_ref().map(|r| r.y).filter(|&y| is_drawable(y, chart.y_log));
     let zero = (chart.y_from_zero && !chart.y_log).then_some(0.0);
-    let y_axis = Axis::roomy(values(1).chain(reference).chain(zero), chart.y_log);
+    let y_axis = Axis::roomy(values(1).chain(reference).chain(zero), chart.y_log, !chart.is_section);
     let [left, right] = x_axis.ends();
 
     let mut context = ChartBuilder::on(&root.margin(top, 12 * px, 12 * px, 28 * px))
         .x_label_area_size(52 * px)
         .y_label_area_size(96 * px)
         .build_cartesian_2d(x_axis, y_axis)?;
+    let x_label = match exaggeration(chart, &context) {
+        Some(times) => format!("{}; heights are drawn {times} times as tall", chart.x_label),
+        None => chart.x_label.clone(),
+    };
     context
         .configure_mesh()
         .axis_style(INK.stroke_width(px as u32))
@@ -86,7 +90,7 @@ fn draw(chart: &Chart, root: &Area<'_>, px: i32) -> Result<(), Failure> {
         .label_style(font(14 * px).color(&INK))
         .axis_desc_style(font(16 * px).color(&INK))
         .set_all_tick_mark_size(5 * px)
-        .x_desc(&chart.x_label)
+        .x_desc(x_label)
         .y_desc(&chart.y_label)
         .draw()?;
     for (series, colour) in chart.series.iter().zip(COLOURS.iter().cycle()) {
@@ -114,6 +118,23 @@ fn draw(chart: &Chart, root: &Area<'_>, px: i32) -> Result<(), Failure> {
         context.draw_series(dashes)?;
     }
     Ok(())
+}
+
+/// How much taller than wide a unit is drawn, in words, where the chart is to say so.
+fn exaggeration(
+    chart: &Chart,
+    context: &ChartContext<'_, BitMapBackend<'_>, Cartesian2d<Axis, Axis>>,
+) -> Option<String> {
+    let linear = !(chart.x_log || chart.y_log);
+    let area = context.plotting_area();
+    let (width, height) = area.dim_in_pixel();
+    let [left, right] = area.as_coord_spec().x_spec().ends();
+    let [low, high] = area.as_coord_spec().y_spec().ends();
+    let times = (f64::from(height) / (high - low)) / (f64::from(width) / (right - left));
+    (chart.is_section && linear && times.is_finite()).then(|| {
+        let digits = (2.0 - times.log10()).clamp(0.0, 6.0) as usize;
+        format!("{times:.digits$}")
+    })
 }
 
 /// Radius of a dot: smaller where there are many.

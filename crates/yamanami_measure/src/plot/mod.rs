@@ -74,6 +74,9 @@ pub struct Chart {
     pub y_log: bool,
     /// A linear y axis that holds zero whatever the values.
     pub y_from_zero: bool,
+    /// A section: both axes are lengths, so that the x label goes on to say how much taller than wide a unit is drawn, and y
+    /// need not reach zero.
+    pub is_section: bool,
     /// A horizontal line that values are held against.
     pub reference: Option<Reference>,
 }
@@ -89,6 +92,7 @@ impl Default for Chart {
             x_log: false,
             y_log: false,
             y_from_zero: false,
+            is_section: false,
             reference: None,
         }
     }
@@ -144,6 +148,12 @@ mod tests {
     #[test]
     fn equal_charts_are_equal_pictures() {
         assert_eq!(drawn(&chart()), drawn(&chart()));
+    }
+
+    #[test]
+    fn the_exaggeration_is_stated_where_it_is_asked_for() {
+        let stated = Chart { is_section: true, ..chart() };
+        assert_ne!(drawn(&stated), drawn(&chart()));
     }
 
     #[test]
