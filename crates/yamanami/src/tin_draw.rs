@@ -5,7 +5,7 @@
 //! view, often the block that the eye is in: [`Culling::Conservative`] does not.
 
 use glam::DVec3;
-use yamanami_core::{Aabb, Frustum, Sight, View};
+use yamanami_core::{Frustum, Sight, View};
 use yamanami_multires::tin_block::TinBlocks;
 
 /// How what is not seen is left out.
@@ -38,6 +38,8 @@ pub struct TinDrawing {
     /// Distances from the eye to a block's middle, metres, beyond which the next coarser level is drawn.
     pub thresholds_m: Vec<f64>,
     triangles: Vec<[u32; 3]>,
+    /// Where each block's triangles end.
+    ends: Vec<usize>,
     shown: Vec<u8>,
     is_drawn: Vec<bool>,
 }
@@ -53,6 +55,12 @@ impl TinDrawing {
         &self.triangles
     }
 
+    /// What was drawn of a block.
+    pub fn triangles_of(&self, block: usize) -> &[[u32; 3]] {
+        let from = block.checked_sub(1).map_or(0, |before| self.ends[before]);
+        &self.triangles[from..self.ends[block]]
+    }
+
     /// Level of each block.
     pub fn shown(&self) -> &[u8] {
         &self.shown
@@ -66,16 +74,17 @@ impl TinDrawing {
     /// The same for what is seen of any other shape.
     pub fn draw_seen(&mut self, blocks: &TinBlocks, eye: DVec3, frustum: &Frustum, culling: Culling) -> DrawCounts {
         self.triangles.clear();
+        self.ends.clear();
         self.choose(blocks, eye, culling);
         let mut counts = DrawCounts::default();
         for block in 0..blocks.grid().len() {
-            let Some(bounds) = blocks.bounds(block) else { continue };
             let before = self.triangles.len();
             match culling {
                 Culling::BruteForce => self.each_corner(blocks, block, frustum, &mut counts),
                 Culling::Faithful => self.faithful(blocks, block, frustum, &mut counts),
-                Culling::Conservative => self.conservative(blocks, block, &bounds, frustum, &mut counts),
+                Culling::Conservative => self.conservative(blocks, block, frustum, &mut counts),
             }
+            self.ends.push(self.triangles.len());
             counts.blocks += usize::from(self.triangles.len() > before);
         }
         counts
@@ -132,17 +141,11 @@ impl TinDrawing {
         }
     }
 
-    fn conservative(
-        &mut self,
-        blocks: &TinBlocks,
-        block: usize,
-        bounds: &Aabb,
-        frustum: &Frustum,
-        counts: &mut DrawCounts,
-    ) {
+    fn conservative(&mut self, blocks: &TinBlocks, block: usize, frustum: &Frustum, counts: &mut DrawCounts) {
+        let Some(bounds) = blocks.bounds(block) else { return };
         let joined = blocks.joined(block, &self.shown);
         counts.block_tests += 1;
-        match frustum.sight_of(bounds) {
+        match frustum.sight_of(&bounds) {
             Sight::Outside => (),
             Sight::Inside => joined.all(&mut self.triangles),
             Sight::Crosses => {
@@ -163,12 +166,10 @@ impl TinDrawing {
     }
 }
 
-/// The triangles that are seen when blocks are shown at these levels, by clipping each: slow and exact.
-pub fn seen_triangles(blocks: &TinBlocks, shown: &[u8], frustum: &Frustum) -> Vec<[u32; 3]> {
+/// The triangles of a block that are seen when blocks are shown at these levels, by clipping each: slow and exact.
+pub fn seen_triangles(blocks: &TinBlocks, block: usize, shown: &[u8], frustum: &Frustum) -> Vec<[u32; 3]> {
     let mut all = Vec::new();
-    for block in 0..blocks.grid().len() {
-        blocks.joined(block, shown).all(&mut all);
-    }
+    blocks.joined(block, shown).all(&mut all);
     all.retain(|triangle| {
         let corners = triangle.map(|v| blocks.positions()[v as usize]);
         !frustum.misses(corners) && frustum.seen_part(corners).len() >= 3
@@ -216,7 +217,8 @@ mod tests {
             drawing.draw(&blocks, &view, Culling::Conservative);
             let found: HashSet<_> = drawing.triangles().iter().copied().collect();
             assert_eq!(found.len(), drawing.triangles().len(), "a triangle was drawn twice");
-            let seen = seen_triangles(&blocks, drawing.shown(), &view.frustum());
+            let seen_in = |block| seen_triangles(&blocks, block, drawing.shown(), &view.frustum());
+            let seen: Vec<_> = (0..blocks.grid().len()).flat_map(seen_in).collect();
             assert!(seen.iter().all(|triangle| found.contains(triangle)));
             drawn += found.len();
             drawing.draw(&blocks, &view, Culling::Faithful);
