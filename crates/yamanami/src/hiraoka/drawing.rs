@@ -97,7 +97,8 @@ pub(super) fn measure(
             lost_triangles += lost;
             lost_blocks += usize::from(lost > 0 && lost == seen.len());
         }
-        let picture = full.like(&blocks.compact(drawing.triangles()), &view)?;
+        let mesh = blocks.compact(drawing.triangles());
+        let picture = full.like(&mesh, &view)?;
         rows.push(DrawRow {
             name,
             median_ms,
@@ -108,7 +109,7 @@ pub(super) fn measure(
             ssim: ssim(&full.picture, &picture)?,
             flip: flip(&full.picture, &picture, FLIP_PIXELS_PER_DEGREE)?.mean,
         });
-        keep(&blocks, &drawing, culling, Pictures { full: full.picture.clone(), drawn: picture })?;
+        keep(&blocks, &drawing, culling, full.beside(&mesh, picture, &view)?)?;
     }
     let gaps = gaps(&blocks, drawing.shown());
     let levels = (0..blocks.levels()).map(|l| (blocks.triangle_count(l), blocks.error_m(l))).collect();

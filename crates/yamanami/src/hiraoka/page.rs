@@ -4,8 +4,8 @@ use super::decimation::{COLLAPSE, COMPARED, LevelError};
 use super::drawing::{CULLINGS, SizeFound};
 use super::poses::Losses;
 use super::{Findings, PAPER_TRIANGLES, file_name};
-use crate::Error;
 use crate::page::{Page, count};
+use crate::{Culling, Error};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use yamanami_measure::plot::{Chart, Series, Style, lines};
@@ -212,9 +212,12 @@ fn drawing(size: &SizeFound, out: &Path, page: &mut Page) -> Result<(), Error> {
     ));
     if size.copies == 1 {
         page.picture("view_full.png", "The whole TIN");
+        page.picture("triangles_full.png", "The whole TIN with its triangles");
         for (culling, name) in CULLINGS {
             let file = file_name(culling);
-            page.picture(format!("view_{file}.png"), format!("Drawn: {name}"));
+            if culling != Culling::BruteForce {
+                page.picture(format!("triangles_{file}.png"), format!("Drawn: {name}"));
+            }
             page.picture(
                 format!("difference_{file}.png"),
                 format!("Difference from the whole TIN, four times as strong: {name}"),
@@ -272,8 +275,7 @@ fn by_size(found: &Findings, out: &Path, page: &mut Page) -> Result<(), Error> {
 fn poses(found: &Findings, out: &Path, page: &mut Page) -> Result<(), Error> {
     page.heading(2, "What the rules lose");
     page.text(
-        "Eyes anywhere over the ground at 100 m height, looking anywhere, from a little upwards to 27° down, with the same field of \
-         view. What is seen is found by clipping every triangle.",
+        "Eyes anywhere over the ground at 100 m height, looking level in any direction, with the same field of view. What is seen is found by clipping every triangle.",
     );
     let share = |part: usize, of: usize| format!("{:.2} %", 100.0 * part as f64 / of.max(1) as f64);
     let row = |name: &str, l: &Losses| {

@@ -172,13 +172,19 @@ impl Work {
     fn rate(&mut self, triangle: u32) -> Option<Reverse<Pick>> {
         let t = triangle as usize;
         self.stamp[t] += 1;
-        if self.is_new[t] || !self.net.surroundings(triangle, &mut self.ring) {
+        if self.is_new[t] || !self.net.is_free(triangle) {
             return None;
         }
         let cost = match self.reading {
-            CostReading::Plain | CostReading::OncePerPass => self.net.slope_sum(&self.ring) / self.ring.len() as f64,
-            CostReading::Sum => self.net.slope_sum(&self.ring),
-            CostReading::PlaneDeviation => self.net.plane_deviation_m(triangle, &self.ring),
+            CostReading::Plain | CostReading::OncePerPass => {
+                let (sum, count) = self.net.slope_sum(triangle);
+                sum / count as f64
+            }
+            CostReading::Sum => self.net.slope_sum(triangle).0,
+            CostReading::PlaneDeviation => {
+                self.net.surroundings(triangle, &mut self.ring);
+                self.net.plane_deviation_m(triangle, &self.ring)
+            }
         };
         Some(Reverse(Pick { cost, triangle, stamp: self.stamp[t] }))
     }
