@@ -40,6 +40,8 @@ mod reproduce;
 mod scene;
 mod subject;
 mod terrain;
+mod thin;
+mod tin;
 mod wavelet;
 mod yama;
 
@@ -70,6 +72,8 @@ pub use reproduce::hashida;
 pub use scene::{Scene, Update};
 pub use subject::Subject;
 pub use terrain::{OpenOptions, Terrain};
+pub use thin::{ThinBy, ThinLevel, thin};
+pub use tin::{ReadGround, is_tin_file, read_ground, tin_of_field};
 pub use wavelet::{
     Approximation, DateModel, Fullness, KEPT_SHARES, SemiRegularModel, WaveletModel, WaveletRow, WaveletStudy, date,
     paper_fullness, usual_thresholds_m, wavelet_study, write_wavelet_plots,
