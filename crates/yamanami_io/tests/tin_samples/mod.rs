@@ -1,7 +1,5 @@
 //! Small TIN files of every format that is read here, and quantized-mesh tiles of any vertices and triangles.
 
-use std::path::Path;
-
 /// A drawing with all that makes faces and lines.
 pub(crate) const DRAWING: &str = include_str!("../fixtures/tin/kinds.dxf");
 
@@ -83,11 +81,11 @@ pub(crate) fn grid_tile(size: u32, wide: bool) -> Vec<u8> {
 
 /// Names and bytes.
 #[allow(dead_code, reason = "not every test takes all of them")]
-pub(crate) fn samples() -> Vec<(&'static Path, Vec<u8>)> {
+pub(crate) fn samples() -> Vec<(&'static str, Vec<u8>)> {
     vec![
-        (Path::new("a.dxf"), DRAWING.into()),
-        (Path::new("a.2dm"), HYDRAULIC_MESH.into()),
-        (Path::new("a.terrain"), grid_tile(5, false)),
-        (Path::new("a_z8_x376_y144.terrain"), grid_tile(4, true)),
+        ("a.dxf", DRAWING.into()),
+        ("a.2dm", HYDRAULIC_MESH.into()),
+        ("a.terrain", grid_tile(5, false)),
+        ("a_z8_x376_y144.terrain", grid_tile(4, true)),
     ]
 }
