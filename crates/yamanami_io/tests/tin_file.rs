@@ -5,6 +5,7 @@ mod tin_xml_samples;
 
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;
+use robust::{Coord, orient2d};
 use std::path::{Path, PathBuf};
 use tin_xml_samples::{comes_back, read};
 use yamanami_core::{Breakline, BreaklineKind, Crs, FOOT_M, Tin, TriangleMesh, US_SURVEY_FOOT_M};
@@ -84,8 +85,8 @@ fn citygml_relief() {
 /// A triangle of three corners, counter-clockwise from above.
 fn upward(positions: &[DVec3], corners: [prop::sample::Index; 3]) -> Option<[u32; 3]> {
     let [a, b, c] = corners.map(|index| index.index(positions.len()) as u32);
-    let [pa, pb, pc] = [a, b, c].map(|i| positions[i as usize].truncate());
-    let triangle = if (pb - pa).perp_dot(pc - pa) < 0.0 { [a, c, b] } else { [a, b, c] };
+    let [pa, pb, pc] = [a, b, c].map(|i| Coord { x: positions[i as usize].x, y: positions[i as usize].y });
+    let triangle = if orient2d(pa, pb, pc) < 0.0 { [a, c, b] } else { [a, b, c] };
     (a != b && b != c && c != a).then_some(triangle)
 }
 

@@ -6,6 +6,7 @@ mod tin_xml_samples;
 
 use damage::{Noise, largest_piece};
 use proptest::prelude::*;
+use robust::{Coord, orient2d};
 use tin_xml_samples::{FACES, METRES, ONE, TWO, city_model, landxml, tin_relief};
 use yamanami_io::tin_file::{TinReadOptions, read_tin_from_bytes};
 
@@ -48,9 +49,9 @@ fn read(name: &str, bytes: &[u8]) -> Result<(), String> {
             assert!(tin.mesh.positions.iter().all(|p| p.is_finite()) && !tin.mesh.triangles.is_empty());
             for t in tin.mesh.triangles.iter().chain(&tin.hidden) {
                 assert!(t.iter().all(|&i| (i as usize) < vertices), "{t:?} of {vertices}");
-                let [a, b, c] = t.map(|i| tin.mesh.positions[i as usize].truncate());
+                let [a, b, c] = t.map(|i| tin.mesh.positions[i as usize]).map(|p| Coord { x: p.x, y: p.y });
                 assert!(t[0] != t[1] && t[1] != t[2] && t[2] != t[0], "{t:?}");
-                let area = (b - a).perp_dot(c - a);
+                let area = orient2d(a, b, c);
                 assert!(area >= 0.0 || area.is_nan(), "{area}");
             }
             assert!(
