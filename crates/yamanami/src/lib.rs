@@ -22,6 +22,7 @@ mod flight;
 mod flight_report;
 mod full_surface;
 mod hide;
+mod hiraoka;
 mod large;
 mod look;
 mod mizuno;
@@ -42,6 +43,7 @@ mod subject;
 mod terrain;
 mod thin;
 mod tin;
+mod tin_draw;
 mod wavelet;
 mod yama;
 
@@ -55,6 +57,7 @@ pub use flight::{FlightMode, FlightOptions, FrameStats, Lod, fly};
 pub use flight_report::{FlightSummary, summary, write_flight_plots};
 pub use full_surface::{FullSurface, finest_mesh};
 pub use hide::{Closing, SeenSide, close, seen_side};
+pub use hiraoka::hiraoka;
 pub use large::{LargeOptions, LargeReport, LargeTarget, reduce_large};
 pub use look::{LookLimits, LookSame, Original, Probe, look_same, worst_of};
 pub use mizuno::{MizunoModel, mizuno};
@@ -74,6 +77,7 @@ pub use subject::Subject;
 pub use terrain::{OpenOptions, Terrain};
 pub use thin::{ThinBy, ThinLevel, thin};
 pub use tin::{ReadGround, is_tin_file, read_ground, tin_of_field};
+pub use tin_draw::{Culling, DrawCounts, TinDrawing, seen_triangles};
 pub use wavelet::{
     Approximation, DateModel, Fullness, KEPT_SHARES, SemiRegularModel, WaveletModel, WaveletRow, WaveletStudy, date,
     paper_fullness, usual_thresholds_m, wavelet_study, write_wavelet_plots,

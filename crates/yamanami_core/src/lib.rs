@@ -32,4 +32,4 @@ pub use sink::{MeshMirror, Sink, SurfaceVertex, TriangleKey, VertexId};
 pub use source::{HeightSource, Window};
 pub use terrain_page::{ErrorCode, PAGE_CELLS, PageId, TerrainPage};
 pub use tin::{Breakline, BreaklineKind, FOOT_M, Snap, Tin, US_SURVEY_FOOT_M};
-pub use view::{Frustum, Perspective, Projection, View};
+pub use view::{Frustum, Perspective, Projection, Sight, View};

@@ -5,6 +5,7 @@ mod build_model;
 mod check;
 mod check_model;
 mod cleaning;
+mod coast;
 mod compare;
 mod demo;
 mod extract;

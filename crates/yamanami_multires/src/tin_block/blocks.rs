@@ -8,7 +8,7 @@ use super::seams::Seams;
 use super::{BlockGrid, cut};
 use crate::MultiresError;
 use crate::tin::vertical::{Ground, vertical_distance_m};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use yamanami_core::{Aabb, TriangleMesh};
 
 /// Most levels: a level halves the triangles.
@@ -23,6 +23,7 @@ pub struct TinBlocks {
     pub(super) levels: Vec<Level>,
     pub(super) seams: Seams,
     bounds: Vec<Option<Aabb>>,
+    corners: Vec<[DVec3; 4]>,
 }
 
 /// A level, cut.
@@ -103,7 +104,9 @@ impl TinBlocks {
             level.links = Links::new(&local, links_of);
             done.push(level);
         }
-        Ok(Self { grid, positions, levels: done, seams, bounds })
+        let mut blocks = Self { grid, positions, levels: done, seams, bounds, corners: Vec::new() };
+        blocks.corners = (0..blocks.grid.len()).map(|block| blocks.find_corners(block)).collect();
+        Ok(blocks)
     }
 
     /// The blocks' places.
@@ -135,6 +138,22 @@ impl TinBlocks {
     /// The box around all that a block may show; `None` for a block without triangles.
     pub fn bounds(&self, block: usize) -> Option<Aabb> {
         self.bounds[block]
+    }
+
+    /// A block's four corners on the ground of the finest level, metres; where it has no ground there, at the height of its
+    /// nearest vertex.
+    pub fn corners_m(&self, block: usize) -> [DVec3; 4] {
+        self.corners[block]
+    }
+
+    fn find_corners(&self, block: usize) -> [DVec3; 4] {
+        let [low, high] = self.grid.corners_m(block);
+        [low, DVec2::new(high.x, low.y), high, DVec2::new(low.x, high.y)].map(|corner| {
+            let vertices = self.triangles(block, 0).as_flattened().iter().map(|&v| self.positions[v as usize]);
+            let off = |p: &DVec3| p.truncate().distance_squared(corner);
+            let nearest = vertices.min_by(|a, b| off(a).total_cmp(&off(b)));
+            corner.extend(nearest.map_or(0.0, |p| p.z))
+        })
     }
 
     /// A block's own triangles in a level, without seams.
