@@ -212,14 +212,16 @@ fn front(ui: &mut Ui, shown: &Shown<'_, impl Subject>, settings: &mut Settings, 
 }
 
 fn looks(ui: &mut Ui, stage: &Stage<impl Subject>, settings: &mut Settings) {
-    ui.horizontal_wrapped(|ui| {
-        for colour in stage.colours() {
-            ui.add_enabled_ui(colour != Colour::Image || stage.has_image(), |ui| {
-                ui.selectable_value(&mut settings.colour, colour, colour.name())
-                    .on_disabled_hover_text("Drop an image file on the window");
-            });
-        }
-    });
+    for row in stage.colours().chunks(3) {
+        ui.horizontal(|ui| {
+            for &colour in row {
+                ui.add_enabled_ui(colour != Colour::Image || stage.has_image(), |ui| {
+                    ui.selectable_value(&mut settings.colour, colour, colour.name())
+                        .on_disabled_hover_text("Drop an image file on the window");
+                });
+            }
+        });
+    }
     ui.horizontal(|ui| {
         ui.checkbox(&mut settings.wireframe, "edges");
         ui.checkbox(&mut settings.haze, "haze");
