@@ -76,7 +76,7 @@ pub use scene::{Scene, Update};
 pub use subject::Subject;
 pub use terrain::{OpenOptions, Terrain};
 pub use thin::{ThinBy, ThinLevel, thin};
-pub use tin::{ReadGround, is_tin_file, read_ground, tin_of_field};
+pub use tin::{GroundOptions, ReadGround, is_tin_file, read_ground};
 pub use tin_draw::{Culling, DrawCounts, TinDrawing, seen_triangles};
 pub use wavelet::{
     Approximation, DateModel, Fullness, KEPT_SHARES, SemiRegularModel, WaveletModel, WaveletRow, WaveletStudy, date,

@@ -1,6 +1,6 @@
 //! A scanned model at every level of detail: from a mesh file, built in memory, or from a `.yama` database, read by pages.
 
-use crate::{Error, Subject, coloured_style, is_tin_file, read_ground};
+use crate::{Error, GroundOptions, Subject, coloured_style, is_tin_file, read_ground};
 use rayon::prelude::*;
 use std::path::Path;
 use yamanami_core::{Aabb, BASE_CLUSTERS, ClusterPage, Crs, Hierarchy, NodeId, Snap, Tin, TriangleMesh};
@@ -8,7 +8,6 @@ use yamanami_gpu::RenderOptions;
 use yamanami_io::store::{
     ClusterCodec, ClusterMeta, ClusterStore, ClusterWriter, Rounding, TinAnnex, TinMeta, put_in_order,
 };
-use yamanami_io::tin_file::TinReadOptions;
 use yamanami_io::{IoError, mesh_file};
 use yamanami_multires::cluster::{ClusterBuild, ClusterOptions, ClusterSurface, build, build_tin};
 
@@ -205,7 +204,7 @@ impl Model {
             return ModelBuild::of_mesh(&mesh_file::read_mesh(path)?, title, progress)?.into_model();
         }
         if is_tin_file(path) {
-            let read = read_ground(path, &TinReadOptions::default())?;
+            let read = read_ground(&[path.to_owned()], &GroundOptions::default())?;
             let built = ModelBuild::of_tin(&read.tin, title, progress)?;
             return Ok(Self { notes: read.notes, ..built.into_model()? });
         }

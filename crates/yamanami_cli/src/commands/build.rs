@@ -10,7 +10,7 @@ use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
 use std::time::Instant;
-use yamanami::io::dem;
+use yamanami::io::{dem, points::is_points_name};
 use yamanami::{StoreOptions, Terrain};
 
 /// Make a surface database (.yama) from elevation files, a TIN or a mesh
@@ -57,7 +57,9 @@ pub(crate) fn run(args: &BuildArgs) -> Result<(), Failure> {
         return Err(Failure::failed("a .yama is a database already: build takes elevation files, a TIN or a mesh"));
     }
     match sources.as_slice() {
-        [tin] if inputs::is_tin(tin) || (args.tin && inputs::is_mesh(tin)) => return build_model::run_tin(args, tin),
+        [tin] if inputs::is_tin(tin) || is_points_name(tin) || (args.tin && inputs::is_mesh(tin)) => {
+            return build_model::run_tin(args, tin);
+        }
         [mesh] if inputs::is_mesh(mesh) && args.progressive => return progressive::build(args, mesh),
         [mesh] if inputs::is_mesh(mesh) => return build_model::run(args, mesh),
         _ if args.tin => {

@@ -9,7 +9,7 @@ use std::path::Path;
 use std::time::Instant;
 use yamanami::io::mesh_file;
 use yamanami::io::tin_file::TinReadOptions;
-use yamanami::{ModelBuild, ModelStoreOptions, read_ground};
+use yamanami::{GroundOptions, ModelBuild, ModelStoreOptions, read_ground};
 
 pub(crate) fn run(args: &BuildArgs, file: &Path) -> Result<(), Failure> {
     let started = Instant::now();
@@ -34,7 +34,8 @@ pub(crate) fn run_tin(args: &BuildArgs, file: &Path) -> Result<(), Failure> {
     let read = {
         let _bar = Bar::spinner("reading");
         let epsg = args.source.reading.options().dem.crs.and_then(|crs| crs.epsg);
-        read_ground(file, &TinReadOptions { epsg, ..TinReadOptions::default() })?
+        let tin = TinReadOptions { epsg, ..TinReadOptions::default() };
+        read_ground(&[file.to_owned()], &GroundOptions { tin, ..GroundOptions::default() })?
     };
     read.notes.iter().for_each(|line| note(&format!("note: {line}")));
     let tin = read.tin;

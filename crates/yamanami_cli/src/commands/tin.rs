@@ -8,17 +8,21 @@ use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use yamanami::core::Tin;
+use yamanami::io::mesh_file;
+use yamanami::io::points::{ColumnOrder, is_points_name};
 use yamanami::io::tin_file::{self, TinReadOptions};
-use yamanami::io::{dem, mesh_file};
 use yamanami::multires::tin_block::CostReading;
-use yamanami::{ModelBuild, ModelStoreOptions, ReadGround, ThinBy, ThinLevel, read_ground, thin, tin_of_field};
+use yamanami::{GroundOptions, ModelBuild, ModelStoreOptions, ReadGround, ThinBy, ThinLevel, read_ground, thin};
 
-/// Make a TIN from elevation grids, convert TINs, thin them
+/// Make a TIN from points and breaklines or elevation grids, convert TINs, thin them
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   yamanami tin ground.xml -o ground.dxf                  LandXML to DXF, every face and breakline
   yamanami tin ground.yama -o ground.xml                 and back out of a database, bit for bit
+  yamanami tin survey.csv --breaklines edges.geojson -o ground.xml
+  yamanami tin lidar.laz --longest-edge 20 -o ground.yama
+                                                         constrained Delaunay triangulations of points
   yamanami tin dem.tif --error 0.5 -o ground.xml         a TIN within 50 cm of every sample
   yamanami tin ground.xml --levels 3 -o eighth.xml       halves it three times, with each level's true error
   yamanami tin ground.xml --levels 3 --method hiraoka -o eighth.xml
@@ -29,7 +33,8 @@ Formats: LandXML (.xml), DXF, 2DM, GeoPackage (written only), CityGML relief (.g
 (.terrain, both read only), .yama; .ply, .obj, .stl, .off and .glb of terrain. Faces that overlap in plan, stand
 upright or are there twice are dropped, clockwise ones turned, and each is told.")]
 pub(crate) struct TinArgs {
-    /// A TIN, a mesh that is terrain, the .yama of a TIN; with --error, elevation files that make one mosaic
+    /// A TIN, a mesh that is terrain, or the .yama of a TIN; points (.csv, .txt, .xyz, .sim, .las, .laz), several together;
+    /// with --error, elevation files that make one mosaic
     #[arg(required = true, value_name = "SOURCE")]
     sources: Vec<PathBuf>,
     /// The TIN to write
@@ -41,6 +46,18 @@ pub(crate) struct TinArgs {
     /// Metres in a unit of the file's coordinates, over what it says: 0.3048 for feet, 0.001 for millimetres
     #[arg(long, value_name = "M", value_parser = values::positive, help_heading = "Reading")]
     unit: Option<f64>,
+    /// Lines that no triangle crosses: GeoJSON, text of line, x, y, z, or those of a TIN or DXF file; may be given again
+    #[arg(long, value_name = "FILE", help_heading = "Reading")]
+    breaklines: Vec<PathBuf>,
+    /// Of points: leave out triangles with a longer edge in plan, metres
+    #[arg(long, value_name = "M", value_parser = values::positive, help_heading = "Reading")]
+    longest_edge: Option<f64>,
+    /// Of points in text: the first coordinate is the northing, as surveyors in Japan write it
+    #[arg(long, help_heading = "Reading")]
+    north_first: bool,
+    /// Of LAS and LAZ: take this class; may be given again. Else ground (2) where there is any
+    #[arg(long, value_name = "N", help_heading = "Reading")]
+    class: Vec<u8>,
     #[command(flatten)]
     reading: ReadingArgs,
     /// Of elevation files: a TIN within so many metres of every sample
@@ -117,19 +134,24 @@ pub(crate) fn run(args: &TinArgs) -> Result<(), Failure> {
 }
 
 fn open(args: &TinArgs) -> Result<ReadGround, Failure> {
-    let _bar = Bar::spinner("reading");
-    match (args.sources.as_slice(), args.error) {
-        ([path], None) if inputs::is_tin(path) || inputs::is_mesh(path) || inputs::is_yama(path) => {
-            let dem = args.reading.options().dem;
-            let epsg = dem.crs.and_then(|crs| crs.epsg);
-            Ok(read_ground(path, &TinReadOptions { surface: args.surface.clone(), unit_m: args.unit, epsg })?)
-        }
-        (sources, Some(max_error_m)) => {
-            let field = dem::open(sources, &args.reading.options().dem)?.read_all()?;
-            Ok(ReadGround { tin: tin_of_field(&field, max_error_m)?, notes: Vec::new() })
-        }
-        (_, None) => Err(Failure::misuse("how fine? elevation files become a TIN within --error M metres")),
+    let is_tin = |path: &PathBuf| inputs::is_tin(path) || inputs::is_mesh(path) || inputs::is_yama(path);
+    let is_survey = args.sources.iter().all(is_points_name) || args.sources.iter().any(is_tin);
+    if args.error.is_none() && !is_survey {
+        return Err(Failure::misuse("how fine? elevation files become a TIN within --error M metres"));
     }
+    let _bar = Bar::spinner("reading");
+    let dem = args.reading.options().dem;
+    let epsg = dem.crs.as_ref().and_then(|crs| crs.epsg);
+    let options = GroundOptions {
+        tin: TinReadOptions { surface: args.surface.clone(), unit_m: args.unit, epsg },
+        breaklines: args.breaklines.clone(),
+        longest_edge_m: args.longest_edge,
+        order: if args.north_first { ColumnOrder::NorthEast } else { ColumnOrder::EastNorth },
+        classes: (!args.class.is_empty()).then(|| args.class.clone()),
+        max_error_m: args.error,
+        dem,
+    };
+    Ok(read_ground(&args.sources, &options)?)
 }
 
 /// Writes a TIN in the format of the name.
