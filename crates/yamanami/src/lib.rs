@@ -41,6 +41,8 @@ mod reproduce;
 mod scene;
 mod subject;
 mod terrain;
+mod thin;
+mod tin;
 mod tin_draw;
 mod wavelet;
 mod yama;
@@ -73,6 +75,8 @@ pub use reproduce::hashida;
 pub use scene::{Scene, Update};
 pub use subject::Subject;
 pub use terrain::{OpenOptions, Terrain};
+pub use thin::{ThinBy, ThinLevel, thin};
+pub use tin::{GroundOptions, ReadGround, is_tin_file, read_ground};
 pub use tin_draw::{Culling, DrawCounts, TinDrawing, seen_triangles};
 pub use wavelet::{
     Approximation, DateModel, Fullness, KEPT_SHARES, SemiRegularModel, WaveletModel, WaveletRow, WaveletStudy, date,

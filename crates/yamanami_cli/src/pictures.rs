@@ -21,7 +21,7 @@ const GREY: [u8; 3] = [206, 206, 202];
 
 /// What gives the surface its colour.
 #[derive(Debug, Clone, Copy, ValueEnum)]
-enum Colour {
+pub(crate) enum Colour {
     /// Hypsometric tint
     Height,
     /// Level of the vertices: dark is coarse, light is fine

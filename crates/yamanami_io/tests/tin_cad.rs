@@ -1,10 +1,13 @@
 //! TINs of CAD drawings, hydraulic models and globes: what their files say is what is read, and what is written is read
 //! again bit for bit.
 
+mod tin_samples;
+
 use glam::DVec3;
 use proptest::prelude::*;
 use std::path::PathBuf;
-use yamanami_core::{Breakline, BreaklineKind, FOOT_M, Tin, TriangleMesh, US_SURVEY_FOOT_M};
+use tin_samples::{DRAWING, HYDRAULIC_MESH, grid_tile};
+use yamanami_core::{Breakline, BreaklineKind, FOOT_M, Tin, US_SURVEY_FOOT_M};
 use yamanami_io::IoError;
 use yamanami_io::tin_file::{ReadTin, TinReadOptions, read_tin, read_tin_from_bytes, write_tin};
 
@@ -51,16 +54,10 @@ fn the_bridgeton_drawing() {
     let bounds = tin.mesh.bounds();
     println!("{} vertices, {bounds:?}", tin.mesh.positions.len());
     if let Some(sibling) = data("landxml12_bridgeton_topo_3199f.xml") {
-        let text = std::fs::read_to_string(sibling).unwrap();
-        let points = text.lines().filter_map(|line| line.trim().strip_prefix("<P id=")?.split(['>', '<']).nth(1));
-        let places: Vec<DVec3> = points
-            .map(|point| {
-                let numbers: Vec<f64> = point.split_whitespace().map(|n| n.parse().unwrap()).collect();
-                DVec3::new(numbers[1], numbers[0], numbers[2]) * US_SURVEY_FOOT_M
-            })
-            .collect();
-        assert_eq!(places.len(), tin.mesh.positions.len());
-        let sibling = TriangleMesh::new(places, Vec::new()).bounds();
+        let sibling = read_tin(sibling, &TinReadOptions::default()).unwrap().tin;
+        assert_eq!(sibling.mesh.positions.len(), tin.mesh.positions.len());
+        assert_eq!(sibling.mesh.triangles.len(), tin.mesh.triangles.len());
+        let sibling = sibling.mesh.bounds();
         near(bounds.min, sibling.min, 1e-4 * FOOT_M);
         near(bounds.max, sibling.max, 1e-4 * FOOT_M);
     }
@@ -90,9 +87,6 @@ fn quantized_mesh_tiles() {
         assert!(notes[0].contains(how), "{notes:?}");
     }
 }
-
-/// A drawing of a release with a header, in feet, with all that makes faces and lines.
-const DRAWING: &str = include_str!("fixtures/tin/kinds.dxf");
 
 #[test]
 fn everything_in_a_drawing() {
@@ -181,13 +175,7 @@ fn faces_that_a_tin_cannot_have() {
 
 #[test]
 fn a_mesh_of_triangles_and_quadrilaterals() {
-    let mesh = "MESH2D\nMESHNAME \"river bed\"\nNUM_MATERIALS_PER_ELEM 1\n# a comment\n\
-        E4Q 1 10 20 30 40 1\nE3T 2 20 50 30 2\nE6T 3 10 11 20 21 22 12 1\nE8Q 4 10 20 30 40 11 21 31 41 1\n\
-        E2L 5 10 20 1\nE3T 6 10 20 99 1\n\
-        ND 10 0 0 1.5\nND 20 2.0e+000 0 1\nND 30 2 2 1\nND 40 0 3 1\nND 50 4 1 2\n\
-        ND 11 1 0 0\nND 21 1.5 .5 0\nND 22 1 1 0\nND 12 .5 .5 0\nND 31 1 3 0\nND 41 0 1 0\nND 60 7 7 7\n\
-        NS 10 20 50\nNS 60 -30 \"left bank\"\nNS 10 -20 1\nNS 10 -99\nGM \"something else\"\n";
-    let ReadTin { tin, notes, .. } = read("a.2dm", mesh).unwrap();
+    let ReadTin { tin, notes, .. } = read("a.2dm", HYDRAULIC_MESH).unwrap();
     assert_eq!(tin.name, "river bed");
     assert_eq!(tin.mesh.triangles, [[0, 1, 2], [0, 2, 3], [1, 4, 2], [0, 1, 7], [0, 1, 2], [0, 2, 3]]);
     assert_eq!(tin.mesh.positions.len(), 11, "the vertex of a line alone is none");
@@ -215,6 +203,73 @@ fn a_mesh_of_triangles_and_quadrilaterals() {
     ] {
         assert_eq!(read("a.2dm", content).unwrap_err().to_string(), message);
     }
+}
+
+#[test]
+fn tiles_of_either_width_packed_or_not() {
+    let options = TinReadOptions::default();
+    let read = |name: &str, bytes: &[u8]| read_tin_from_bytes(name, bytes, &options).unwrap();
+    let plain = read("a.terrain", &grid_tile(9, false));
+    assert_eq!((plain.tin.mesh.positions.len(), plain.tin.mesh.triangles.len()), (81, 128));
+    assert_eq!((plain.tin.crs.epsg, plain.tin.name.as_str()), (Some(32645), "a"));
+    assert_eq!(
+        plain.notes,
+        ["tile 8/376/144: 84.375 to 85.078125 degrees east, 11.25 to 11.953125 north, by the centre in its header",]
+    );
+    let bounds = plain.tin.mesh.bounds();
+    assert!(bounds.min.z >= 100.0 && bounds.max.z <= 900.0 && bounds.max.z - bounds.min.z > 700.0);
+    // the south-west corner by PROJ 9
+    near(plain.tin.mesh.positions[0].with_z(0.0), DVec3::new(213_386.003_827, 1_244_903.828_198, 0.0), 1e-4);
+
+    let mut packer = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    std::io::Write::write_all(&mut packer, &grid_tile(9, false)).unwrap();
+    assert_eq!(read("a.terrain", &packer.finish().unwrap()), plain);
+
+    let wide = read("a.terrain", &grid_tile(9, true));
+    assert_eq!(wide.tin.mesh, plain.tin.mesh);
+    assert_eq!(wide.notes[0], "corners of four bytes, which 81 vertices need not have");
+
+    // 65,536 vertices are the most for two bytes: the last differences do not fit, and start from nothing again
+    let full = read("a_z8_x376_y144.terrain", &grid_tile(256, false));
+    assert_eq!((full.tin.mesh.positions.len(), full.tin.mesh.triangles.len()), (65_536, 130_050));
+    let more = read("8/376/144.terrain", &grid_tile(257, true));
+    assert_eq!((more.tin.mesh.positions.len(), more.tin.mesh.triangles.len()), (66_049, 131_072));
+}
+
+#[test]
+fn a_geopackage_has_what_its_standard_asks() {
+    let ReadTin { mut tin, .. } =
+        read_tin_from_bytes("a.terrain", &grid_tile(5, false), &TinReadOptions::default()).unwrap();
+    tin.hidden.extend(tin.mesh.triangles.pop());
+    let points = tin.mesh.positions[..3].to_vec();
+    tin.breaklines.push(Breakline { name: "尾根".into(), kind: BreaklineKind::Soft, points });
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.gpkg");
+    std::fs::write(&path, "an old file").unwrap();
+    write_tin(&path, &tin).unwrap();
+    assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 1, "nothing is left beside it");
+
+    let db = rusqlite::Connection::open(&path).unwrap();
+    let number = |query: &str| db.query_row(query, [], |row| row.get::<_, i64>(0)).unwrap();
+    let text = |query: &str| db.query_row(query, [], |row| row.get::<_, String>(0)).unwrap();
+    assert_eq!((number("PRAGMA application_id"), number("PRAGMA user_version")), (0x4750_4B47, 10_400));
+    assert_eq!(text("PRAGMA integrity_check"), "ok");
+    assert_eq!(number("SELECT count(*) FROM pragma_foreign_key_check"), 0);
+    assert_eq!(number("SELECT count(*) FROM triangles"), 32);
+    assert_eq!(number("SELECT count(*) FROM triangles WHERE hidden AND slope_deg BETWEEN 0 AND 90"), 1);
+    assert_eq!(number("SELECT count(*) FROM rtree_triangles_geom"), 32);
+    assert_eq!(number("SELECT count(*) FROM gpkg_geometry_columns WHERE srs_id = 32645 AND z = 1"), 2);
+    assert_eq!(text("SELECT name || ' ' || kind FROM breaklines"), "尾根 soft");
+    assert_eq!(text("SELECT identifier FROM gpkg_contents WHERE table_name = 'triangles'"), "a: triangles");
+    let blob: Vec<u8> = db.query_row("SELECT geom FROM breaklines", [], |row| row.get(0)).unwrap();
+    // magic, version, flags, CRS, box, byte order, type, count, points
+    assert_eq!((&blob[..4], blob.len()), (b"GP\0\x03".as_slice(), 8 + 32 + 9 + 3 * 24));
+    assert_eq!(blob[8 + 32 + 9..][16..24], tin.mesh.positions[0].z.to_le_bytes());
+
+    let error = write_tin(folder.path().join("a.gpkg.gz"), &tin).unwrap_err().to_string();
+    assert!(error.contains("a packed GeoPackage"), "{error}");
+    let error = write_tin(folder.path().join("none/a.gpkg"), &tin).unwrap_err().to_string();
+    assert!(!error.contains('\n') && error.contains("a.gpkg"), "{error}");
 }
 
 /// A TIN over a jittered grid, by the numbers of its unit.

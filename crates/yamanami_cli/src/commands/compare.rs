@@ -138,7 +138,7 @@ fn meshes(args: &CompareArgs) -> Result<(), Failure> {
         ))?;
     }
     let Some(v) = vertical else { return Ok(()) };
-    let place = v.worst.map_or(String::new(), |p| format!(" (at {:.2}, {:.2})", p.x, p.y));
+    let place = v.worst.filter(|_| v.max_m > 0.0).map_or(String::new(), |p| format!(" (at {:.2}, {:.2})", p.x, p.y));
     let [rms, mean, signed] = [v.rms_m, v.mean_m, v.mean_signed_m].map(text::number);
     out::row("vertical", format_args!("at most {} m{place}", text::number(v.max_m)))?;
     out::row("", format_args!("rms {rms} m, mean {mean} m, the second higher by {signed} m on the mean"))?;

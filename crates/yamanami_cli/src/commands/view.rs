@@ -2,6 +2,8 @@
 
 use crate::args::{ControlArgs, EyeArgs, FinenessArgs, LensArgs, SourceArgs};
 use crate::failure::Failure;
+use crate::pictures::Colour;
+use crate::values;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -12,6 +14,7 @@ Examples:
   yamanami view dem.yama
   yamanami view dem.tif --budget 200000 --tolerance-px 1
   yamanami view dem.yama --path flight.json                  replay a recorded path
+  yamanami view dem.yama --water 620 --colour slope          with water, which is measured
   yamanami view scan.yama                                    around a model
 
 All that is set here can be changed in the window.")]
@@ -29,6 +32,12 @@ pub(crate) struct ViewArgs {
     /// A recorded camera path to replay
     #[arg(long, value_name = "FILE.json", help_heading = "Path")]
     pub(crate) path: Option<PathBuf>,
+    /// What gives the surface its colour; else height for terrain, and for models their own colours
+    #[arg(long, value_enum, value_name = "BY", help_heading = "Drawing", conflicts_with = "image")]
+    pub(crate) colour: Option<Colour>,
+    /// Height of a water surface: what lies below is tinted blue, and measured
+    #[arg(long, value_name = "M", value_parser = values::number, allow_hyphen_values = true, help_heading = "Drawing")]
+    pub(crate) water: Option<f64>,
     /// An image to lay over the surface
     #[arg(long, value_name = "FILE", help_heading = "Drawing")]
     pub(crate) image: Option<PathBuf>,
@@ -58,6 +67,10 @@ fn open(args: &ViewArgs, subject: impl yamanami::Subject + 'static) -> Result<()
         lod: args.control.lod(&subject, args.fineness.tolerance),
         path,
         view: asked.then_some(view),
+        sources: args.source.sources.clone(),
+        reading: args.source.reading.options(),
+        colour: args.colour,
+        water_m: args.water,
         image: args.image.clone(),
         size,
         screenshot: args.screenshot.clone(),

@@ -7,6 +7,7 @@ use super::recorder::{Player, Recorder, VIEWS_PER_S};
 use super::screenshot::{Screenshot, free_name};
 use super::settings::{Colour, Settings};
 use super::stage::{Numbers, Stage};
+use super::water::WaterGauge;
 use super::{Failure, Options, keys, overlay};
 use eframe::egui::{self, Align2, PointerButton, Rect, Response, Sense, pos2, vec2};
 use eframe::wgpu;
@@ -23,6 +24,8 @@ const MESSAGE_S: f64 = 6.0;
 const WHEEL_POINTS: f64 = 260.0;
 /// A double click comes so much nearer.
 const DOUBLE_CLICK: f64 = 0.4;
+/// Height of the water when it is first switched on, as a share of the range of heights.
+const WATER_SHARE: f64 = 0.1;
 /// Views of the built-in flights.
 const FLIGHT_VIEWS: usize = 20 * VIEWS_PER_S as usize;
 
@@ -34,6 +37,7 @@ pub(super) struct Viewer<S> {
     /// The start is over all of it: to be fitted to the picture once its size is known.
     fit_start: bool,
     plots: Plots,
+    gauge: WaterGauge,
     last: Option<Numbers>,
     recorder: Option<Recorder>,
     player: Option<Player>,
@@ -63,8 +67,12 @@ impl<S: Subject> Viewer<S> {
         context.egui_ctx.set_theme(egui::Theme::Dark);
         let home = options.view.unwrap_or_else(|| yamanami::overview(&subject, options.size));
         let mut settings = Settings::new(&options);
-        if subject.as_terrain().is_none() {
+        if subject.as_terrain().is_none() && options.colour.is_none() {
             settings.colour = Colour::Own;
+        }
+        if options.water_m.is_none() {
+            let bounds = subject.bounds();
+            settings.water_m = bounds.min.z + WATER_SHARE * (bounds.max.z - bounds.min.z);
         }
         // four samples a pixel are dear where the processor draws
         settings.antialias = render.adapter.get_info().device_type != wgpu::DeviceType::Cpu;
@@ -78,6 +86,7 @@ impl<S: Subject> Viewer<S> {
             rig: Rig::new(home),
             fit_start: options.view.is_none(),
             plots: Plots::default(),
+            gauge: WaterGauge::new(options.sources, options.reading),
             last: None,
             recorder: None,
             player: options.path.clone().and_then(Player::new),
@@ -329,11 +338,14 @@ impl<S: Subject> eframe::App for Viewer<S> {
         let before = self.settings.clone();
         let colours = self.colours();
         let mut action = keys::pressed(ui, &mut self.settings, &colours);
+        let moving = ui.input(|i| i.pointer.any_down());
+        self.gauge.follow(before.water_level_m(), moving, self.stage.subject.full_triangles(), ui);
         if self.panel {
             let shown = Shown {
                 stage: &self.stage,
                 plots: &self.plots,
                 last: self.last,
+                water: self.gauge.words(),
                 recording: self.recorder.as_ref().map(Recorder::len),
                 replaying: self.player.as_ref().map(Player::share),
                 has_path: self.path.is_some(),

@@ -2,7 +2,7 @@
 //!
 //! [`run`] opens it and comes back when it is closed. The parts: [`app`] is one frame after another, [`camera`] moves the
 //! eye, [`ground`] tells where the land is, [`stage`] keeps the scene and draws it on a texture, [`settings`] is what the
-//! side [`panel`] turns, [`plots`] draws the running numbers, [`overlay`] what lies over the picture, [`recorder`] takes
+//! side [`panel`] turns, [`plots`] draws the running numbers, [`water`] measures what is flooded, [`overlay`] what lies over the picture, [`recorder`] takes
 //! and replays camera paths, [`keys`] reads the keyboard, [`screenshot`] writes pictures.
 
 mod app;
@@ -16,12 +16,14 @@ mod recorder;
 mod screenshot;
 mod settings;
 mod stage;
+mod water;
 
+use crate::pictures::Colour;
 use eframe::{egui, egui_wgpu, wgpu};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 use yamanami::core::View;
-use yamanami::{CameraPath, Criteria, Lod, Subject};
+use yamanami::{CameraPath, Criteria, Lod, OpenOptions, Subject};
 
 /// How the window starts.
 #[derive(Debug, Clone)]
@@ -34,6 +36,14 @@ pub(crate) struct Options {
     pub(crate) path: Option<CameraPath>,
     /// Where the camera starts; `None`: over all of the terrain.
     pub(crate) view: Option<View>,
+    /// The files shown, to be read once more where all triangles are measured.
+    pub(crate) sources: Vec<PathBuf>,
+    /// How they are read.
+    pub(crate) reading: OpenOptions,
+    /// What colours the surface; `None`: its usual colours.
+    pub(crate) colour: Option<Colour>,
+    /// Height of a water surface, metres.
+    pub(crate) water_m: Option<f64>,
     /// An image to lay over a terrain.
     pub(crate) image: Option<PathBuf>,
     /// Size of the window in points.
@@ -49,6 +59,10 @@ impl Default for Options {
             lod: Lod::Exact,
             path: None,
             view: None,
+            sources: Vec::new(),
+            reading: OpenOptions::default(),
+            colour: None,
+            water_m: None,
             image: None,
             size: [1280, 800],
             screenshot: None,

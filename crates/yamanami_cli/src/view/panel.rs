@@ -39,6 +39,8 @@ pub(super) struct Shown<'a, S> {
     pub(super) stage: &'a Stage<S>,
     pub(super) plots: &'a Plots,
     pub(super) last: Option<Numbers>,
+    /// What is known of the water.
+    pub(super) water: String,
     /// Views taken down so far, while recording.
     pub(super) recording: Option<usize>,
     /// Share behind, while replaying.
@@ -90,6 +92,7 @@ pub(super) fn show(
         section(ui, "How fine", |ui| fineness(ui, shown, settings));
         section(ui, "Front", |ui| front(ui, shown, settings, &mut action));
         section(ui, "Looks", |ui| looks(ui, shown.stage, settings));
+        section(ui, "Water", |ui| water(ui, shown, settings));
         section(ui, "Camera and paths", |ui| camera(ui, shown, rig, &mut action));
         ui.add_space(4.0);
         ui.horizontal(|ui| {
@@ -209,14 +212,16 @@ fn front(ui: &mut Ui, shown: &Shown<'_, impl Subject>, settings: &mut Settings, 
 }
 
 fn looks(ui: &mut Ui, stage: &Stage<impl Subject>, settings: &mut Settings) {
-    ui.horizontal(|ui| {
-        for colour in stage.colours() {
-            ui.add_enabled_ui(colour != Colour::Image || stage.has_image(), |ui| {
-                ui.selectable_value(&mut settings.colour, colour, colour.name())
-                    .on_disabled_hover_text("Drop an image file on the window");
-            });
-        }
-    });
+    for row in stage.colours().chunks(3) {
+        ui.horizontal(|ui| {
+            for &colour in row {
+                ui.add_enabled_ui(colour != Colour::Image || stage.has_image(), |ui| {
+                    ui.selectable_value(&mut settings.colour, colour, colour.name())
+                        .on_disabled_hover_text("Drop an image file on the window");
+                });
+            }
+        });
+    }
     ui.horizontal(|ui| {
         ui.checkbox(&mut settings.wireframe, "edges");
         ui.checkbox(&mut settings.haze, "haze");
@@ -233,6 +238,25 @@ fn looks(ui: &mut Ui, stage: &Stage<impl Subject>, settings: &mut Settings) {
     }
     ui.add(Slider::new(&mut light.strength, 0.0..=4.0).clamping(SliderClamping::Edits).text("shading"));
     ui.checkbox(&mut light.multi_directional, "side lights");
+}
+
+fn water(ui: &mut Ui, shown: &Shown<'_, impl Subject>, settings: &mut Settings) {
+    let bounds = shown.stage.subject.bounds();
+    ui.horizontal(|ui| {
+        ui.checkbox(&mut settings.water_on, "");
+        ui.add_enabled(
+            settings.water_on,
+            Slider::new(&mut settings.water_m, bounds.min.z..=bounds.max.z)
+                .suffix(" m")
+                .max_decimals(2)
+                .clamping(SliderClamping::Never)
+                .text("water level"),
+        )
+        .on_hover_text("Area and volume below the level are measured on all triangles when the slider is let go");
+    });
+    if !shown.water.is_empty() {
+        ui.label(&shown.water);
+    }
 }
 
 fn camera(ui: &mut Ui, shown: &Shown<'_, impl Subject>, rig: &mut Rig, action: &mut Option<Action>) {

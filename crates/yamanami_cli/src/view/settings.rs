@@ -1,6 +1,7 @@
 //! All that the side panel turns, and what it means for the front and for its picture.
 
 use super::Options;
+use crate::pictures;
 use std::sync::Arc;
 use yamanami::core::View;
 use yamanami::gpu::{ColourBy, Drape, Haze, Light, Morph, RenderOptions, Wireframe};
@@ -35,15 +36,21 @@ pub(super) enum Colour {
     Level,
     /// One colour.
     Plain,
+    /// Angle to the horizontal.
+    Slope,
+    /// Direction of fall.
+    Aspect,
     /// The image laid over it.
     Image,
 }
 
 impl Colour {
     /// Those of a terrain, in the order of the panel.
-    pub(super) const OF_TERRAIN: [Self; 4] = [Self::Height, Self::Level, Self::Plain, Self::Image];
+    pub(super) const OF_TERRAIN: [Self; 6] =
+        [Self::Height, Self::Slope, Self::Aspect, Self::Level, Self::Plain, Self::Image];
     /// Those of a model.
-    pub(super) const OF_MODEL: [Self; 4] = [Self::Own, Self::Height, Self::Level, Self::Plain];
+    pub(super) const OF_MODEL: [Self; 6] =
+        [Self::Own, Self::Height, Self::Slope, Self::Aspect, Self::Level, Self::Plain];
 
     /// Word for the panel.
     pub(super) fn name(self) -> &'static str {
@@ -52,7 +59,21 @@ impl Colour {
             Self::Height => "height",
             Self::Level => "level",
             Self::Plain => "plain",
+            Self::Slope => "slope",
+            Self::Aspect => "aspect",
             Self::Image => "image",
+        }
+    }
+}
+
+impl From<pictures::Colour> for Colour {
+    fn from(colour: pictures::Colour) -> Self {
+        match colour {
+            pictures::Colour::Height => Self::Height,
+            pictures::Colour::Level => Self::Level,
+            pictures::Colour::Plain => Self::Plain,
+            pictures::Colour::Slope => Self::Slope,
+            pictures::Colour::Aspect => Self::Aspect,
         }
     }
 }
@@ -78,6 +99,8 @@ pub(super) struct Settings {
     pub(super) haze: bool,
     pub(super) antialias: bool,
     pub(super) light: Light,
+    pub(super) water_on: bool,
+    pub(super) water_m: f64,
 }
 
 impl Settings {
@@ -103,11 +126,22 @@ impl Settings {
             rebuild: false,
             morph: true,
             wireframe: false,
-            colour: if options.image.is_some() { Colour::Image } else { Colour::Height },
+            colour: match options.colour {
+                _ if options.image.is_some() => Colour::Image,
+                Some(colour) => colour.into(),
+                None => Colour::Height,
+            },
             haze: true,
             antialias: true,
             light: Light::default(),
+            water_on: options.water_m.is_some(),
+            water_m: options.water_m.unwrap_or(0.0),
         }
+    }
+
+    /// Height of the water, if there is any.
+    pub(super) fn water_level_m(&self) -> Option<f64> {
+        self.water_on.then_some(self.water_m)
     }
 
     /// What is asked of the front for a view.
@@ -152,11 +186,14 @@ impl Settings {
                 Colour::Height => ColourBy::Height,
                 Colour::Level => ColourBy::Level,
                 Colour::Plain => ColourBy::Plain(PLAIN),
+                Colour::Slope => ColourBy::Slope,
+                Colour::Aspect => ColourBy::Aspect,
                 Colour::Image => ColourBy::Drape,
             },
             deepest_level: usual.deepest_level.saturating_sub(1).max(1),
             drape: drape.cloned(),
             light: self.light,
+            water_level_m: self.water_level_m(),
             morph: threshold_px.filter(|_| self.morph).map(|tau_px| Morph { tau_px, width: MORPH_WIDTH }),
             wireframe: self.wireframe.then(Wireframe::default),
             haze: if self.haze { usual.haze } else { Haze::None },

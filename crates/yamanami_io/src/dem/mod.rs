@@ -16,7 +16,7 @@ mod geotiff;
 mod hgt;
 mod mosaic;
 mod part;
-mod prj;
+pub(crate) mod prj;
 mod sample_type;
 mod tiff_codec;
 mod tiff_tags;

@@ -161,7 +161,10 @@ impl Relief {
     fn take_points(&mut self) -> &mut Vec<DVec3> {
         let swap = self.srs.as_ref().is_some_and(|srs| srs.northing_first);
         self.corners.clear();
-        if self.numbers.len() % 3 == 0 && self.inside.dimension != 2 && self.numbers.iter().all(|n| n.is_finite()) {
+        if self.numbers.len().is_multiple_of(3)
+            && self.inside.dimension != 2
+            && self.numbers.iter().all(|n| n.is_finite())
+        {
             let point = |n: &[f64]| if swap { DVec3::new(n[1], n[0], n[2]) } else { DVec3::new(n[0], n[1], n[2]) };
             self.corners.extend(self.numbers.chunks_exact(3).map(point));
         }

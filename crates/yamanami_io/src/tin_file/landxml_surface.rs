@@ -7,8 +7,8 @@ use yamanami_core::{Breakline, BreaklineKind, Crs, Tin, TriangleMesh};
 
 /// Most steps spent on heights for lines that have none.
 const NEAREST_STEPS: u64 = 1 << 28;
-/// How far an id may lie beyond all before it and still be looked up in a plain list.
-const DENSE_GAP: u64 = 1 << 16;
+/// How many times the number of points an id may be and still be looked up in a plain list.
+const DENSE_FOLD: u64 = 16;
 
 /// Places of survey points (`CgPoint`) by their name, in the unit of the file.
 pub(super) type CgPoints = HashMap<String, DVec3>;
@@ -49,7 +49,7 @@ impl Ids {
         if self.get(id).is_some() {
             return false;
         }
-        if id < self.dense.len() as u64 + DENSE_GAP {
+        if id < DENSE_FOLD * (u64::from(number) + 64) {
             let id = id as usize;
             if id >= self.dense.len() {
                 self.dense.resize(id + 1, u32::MAX);
@@ -138,7 +138,7 @@ impl Surface {
         let place = format_args!("line {line}");
         let each = if has_heights { 3 } else { 2 };
         let numbers: Option<Vec<f64>> = text.split_ascii_whitespace().map(finite).collect();
-        let Some(numbers) = numbers.filter(|n| n.len() >= 2 * each && n.len() % each == 0) else {
+        let Some(numbers) = numbers.filter(|n| n.len() >= 2 * each && n.len().is_multiple_of(each)) else {
             return self.notes.count("breaklines that are not a list of points dropped", place);
         };
         let point = |n: &[f64]| DVec3::new(n[1], n[0], n.get(2).copied().unwrap_or(f64::NAN));

@@ -111,8 +111,7 @@ fn japanese_zone(text: &str) -> Option<u32> {
             before[before.trim_end_matches(|c: char| c.is_ascii_digit()).len()..].parse().ok()
         })
     };
-    let word_after =
-        |mark: &str| Some(upper.split_once(mark)?.1.trim_start().split([' ', ',', '(', ')', '系']).next()?);
+    let word_after = |mark: &str| upper.split_once(mark)?.1.trim_start().split([' ', ',', '(', ')', '系']).next();
     let number_or_roman = |word: &str| {
         let roman = || ROMAN.iter().position(|&roman| roman == word).map(|index| index as u32 + 1);
         word.parse().ok().or_else(roman)

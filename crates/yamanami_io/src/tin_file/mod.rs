@@ -2,17 +2,18 @@
 //!
 //! | format | read | written | coordinates | breaklines | hidden faces | CRS |
 //! |---|---|---|---|---|---|---|
-//! | LandXML 1.2, 2.0, J-LandXML (`.xml`, `.landxml`) | yes | yes, 1.2 | every digit | yes | yes | yes |
+//! | LandXML 1.0 to 2.0, J-LandXML (`.xml`, `.landxml`) | yes | yes, 1.2 | every digit | yes | yes | yes |
 //! | DXF (`.dxf`) | 3DFACE, polyface and polygon meshes, MESH, lines | release 12, 3DFACE | every digit | yes | yes | no |
-//! | CityGML 2 relief (`.gml`) | `TINRelief` | no | projected | | | yes |
+//! | CityGML 2 and 3 relief (`.gml`) | `TINRelief`, `BreaklineRelief` | no | projected | yes | no | yes |
 //! | SMS 2DM (`.2dm`) | triangles and quadrilaterals | yes, in metres | every digit | all hard | no | no |
 //! | quantized-mesh (`.terrain`) | 1.0 | no | projected | | | yes |
 //! | GeoPackage (`.gpkg`) | no | polygons and lines | doubles | yes | yes | yes |
 //! | PLY, OBJ, STL, OFF, glTF (see [`crate::mesh_file`]) | yes | yes | | | | |
 //!
-//! `.gz` and `.zst` around any of the text formats. What comes out is in metres, z up, counter-clockwise from above,
-//! whatever the axis order, unit and orientation of the file; every position is finite and every index in range.
-//! Longitudes and latitudes are projected, vertex by vertex, into the metric CRS of their place on the same datum.
+//! `.gz` and `.zst` around any of the text formats; XML in UTF-8, UTF-16, Shift_JIS, EUC-JP and others. What comes out is
+//! in metres, z up, counter-clockwise from above, whatever the axis order, unit and orientation of the file; every position
+//! is finite and every index in range. Longitudes and latitudes are projected, vertex by vertex, into the metric CRS of their
+//! place on the same datum.
 
 mod check;
 mod citygml;

@@ -9,7 +9,7 @@ const HEAD_BYTES: usize = 1024;
 /// Most bytes decoded at once.
 const PIECE_BYTES: usize = 1 << 16;
 /// Most bytes of one tag or one text between tags.
-const MAX_TOKEN_BYTES: u64 = 256 << 20;
+const MAX_TOKEN_BYTES: u64 = 64 << 20;
 
 /// A file's text, with the line that is being read.
 pub(super) struct Text<R> {

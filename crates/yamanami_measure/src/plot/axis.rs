@@ -179,7 +179,8 @@ mod tests {
         assert_eq!(axis.range, -2.0..3.0);
         let axis = Axis::exact([3.0, 0.0, 30.0].into_iter(), true);
         assert_eq!(axis.range, 3.0..30.0);
-        assert_eq!(Axis::roomy([1.0, 100.0].into_iter(), false).range.start, 0.0);
-        assert!(Axis::roomy([90.0, 100.0].into_iter(), false).range.start > 80.0);
+        assert_eq!(Axis::roomy([1.0, 100.0].into_iter(), false, true).range.start, 0.0);
+        assert!(Axis::roomy([90.0, 100.0].into_iter(), false, true).range.start > 80.0);
+        assert!(Axis::roomy([1.0, 100.0].into_iter(), false, false).range.start < 0.0);
     }
 }

@@ -7,8 +7,8 @@ use super::patch::{Coarser, Patch};
 use super::split::edge_key;
 use super::weld::Vertices;
 use crate::tin::collapse::{Task, reduce};
-use crate::tin::line_edges;
 use crate::tin::vertical::{Ground as Piece, vertical_distance_m};
+use crate::tin::{line_edges, t_junctions};
 use glam::DVec3;
 use std::collections::HashSet;
 use yamanami_core::{Snap, Tin, TriangleMesh};
@@ -19,18 +19,21 @@ pub(super) struct Ground {
     snap: Option<Snap>,
     /// Edges of breaklines, of all rounds so far: those of vertices gone are in nobody's way.
     lines: HashSet<u64>,
+    /// Vertices that stay on all levels, for a seam that shares no edges hangs on them.
+    stays: HashSet<u32>,
 }
 
 impl Ground {
     pub(super) fn new(tin: &Tin, snap: Option<Snap>, vertices: &Vertices, triangles: &[[u32; 3]]) -> Self {
         let mut lines = HashSet::new();
+        // by the welded vertices' numbers
+        let mesh = TriangleMesh::new(vertices.positions.clone(), triangles.to_vec());
+        let stays = t_junctions(&mesh).into_iter().flat_map(|(v, [a, b])| [v, a, b]).collect();
         if !tin.breaklines.is_empty() {
-            // by the welded vertices' numbers
-            let mesh = TriangleMesh::new(vertices.positions.clone(), triangles.to_vec());
             let welded = Tin { mesh, breaklines: tin.breaklines.clone(), ..Tin::default() };
             lines.extend(line_edges(&welded).edges.iter().map(|&[a, b]| edge_key(a, b)));
         }
-        Self { snap, lines }
+        Self { snap, lines, stays }
     }
 
     pub(super) fn add_lines(&mut self, lines: &[[u32; 2]]) {
@@ -39,10 +42,12 @@ impl Ground {
 
     /// The patch with about so many triangles.
     pub(super) fn reduce(&self, patch: &Patch, target: usize) -> Coarser {
+        let stays = |v: &u32| self.stays.contains(v);
+        let is_locked: Vec<bool> = patch.ids.iter().zip(&patch.locked).map(|(v, &l)| l || stays(v)).collect();
         let reduced = reduce(Task {
             positions: &patch.mesh.positions,
             triangles: &patch.mesh.triangles,
-            is_locked: &patch.locked,
+            is_locked: &is_locked,
             lines: &self.lines_of(patch),
             target,
             most_stray_m: f64::INFINITY,

@@ -17,4 +17,4 @@ pub use delaunay::{DelaunayOptions, Triangulated, triangulate};
 pub use greedy::{GreedyOptions, GreedyTin, greedy};
 pub use levels::{Level, LevelOptions, collapse_levels};
 pub use lines::{LineEdges, line_edges};
-pub use mend::{Fault, Mended, MendedTin, mend};
+pub use mend::{Fault, Mended, MendedTin, mend, t_junctions};

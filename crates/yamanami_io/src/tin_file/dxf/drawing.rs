@@ -128,7 +128,6 @@ impl<'a> Drawing<'a> {
         }
         self.entity.kind = kind;
         self.entity.line = groups.line();
-        self.entity.layer = self.layers.number(b"0", |_| "0".into());
         Ok(())
     }
 

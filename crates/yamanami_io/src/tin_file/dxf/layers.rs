@@ -42,18 +42,25 @@ impl Layer {
     }
 }
 
-/// The layers met so far, numbered.
-#[derive(Debug, Default)]
+/// The layers met so far, numbered. An entity that names none is on the first.
+#[derive(Debug)]
 pub(super) struct Layers {
     all: Vec<Layer>,
     number_of: HashMap<Vec<u8>, usize>,
     last: (Vec<u8>, usize),
 }
 
+impl Default for Layers {
+    fn default() -> Self {
+        let name = b"0".to_vec();
+        Self { all: vec![Layer::new("0".into())], number_of: HashMap::from([(name.clone(), 0)]), last: (name, 0) }
+    }
+}
+
 impl Layers {
     /// The number of the layer whose name has these bytes.
     pub(super) fn number(&mut self, name: &[u8], decode: impl FnOnce(&[u8]) -> String) -> usize {
-        if self.last.0 == name && !self.all.is_empty() {
+        if self.last.0 == name {
             return self.last.1;
         }
         let number = *self.number_of.entry(name.to_vec()).or_insert_with(|| {

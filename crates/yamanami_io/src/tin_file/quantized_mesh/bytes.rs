@@ -96,15 +96,15 @@ pub(super) fn decode(name: &Path, bytes: &[u8], notes: &mut Notes) -> Result<Dec
     let count = cursor.count("number of vertices")?;
     let vertices = vertices(&mut cursor, count)?;
     let wide = count > MOST_OF_TWO_BYTES;
-    let rest = corners(cursor.clone(), wide, &vertices, notes);
-    // some write four bytes for fewer vertices, or two for more
-    let triangles = rest.or_else(|why| match corners(cursor, !wide, &vertices, &mut Notes::default()) {
-        Ok(triangles) => {
-            let bytes = if wide { 2 } else { 4 };
-            notes.say(format!("corners of {bytes} bytes, which {count} vertices should not have"));
-            Ok(triangles)
+    let as_told = corners(cursor.clone(), wide, &vertices, notes);
+    let triangles = as_told.or_else(|why| {
+        if wide {
+            return Err(why);
         }
-        Err(_) => Err(why),
+        // some encoders always write four bytes
+        let triangles = corners(cursor, true, &vertices, notes).map_err(|_| why)?;
+        notes.say(format!("corners of four bytes, which {count} vertices need not have"));
+        Ok(triangles)
     })?;
     Ok(Decoded { header, vertices, triangles })
 }

@@ -1,11 +1,12 @@
 //! A TIN of a height field at a greatest error: greedy insertion.
 //!
 //! Based on: Garland, Heckbert, "Fast Polygonal Approximation of Terrains and Height Fields", 1995: a Delaunay
-//! triangulation of a few samples gets the sample that it misses most, over and over; after each, only the triangles that
+//! triangulation of a few samples gets the sample that it misses most (to a 64th), over and over; after each, only the triangles that
 //! changed are looked at again. Ours differs in that predicates are exact (samples have whole coordinates), samples on
 //! edges belong to both sides, and no-data is left out exactly (see `voids.rs`).
 
 mod net;
+mod queue;
 mod scan;
 mod voids;
 
@@ -13,8 +14,7 @@ use crate::MultiresError;
 use crate::clean::{CleanOptions, clean};
 use glam::DVec3;
 use net::Net;
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+use queue::Queue;
 use yamanami_core::{HeightField, Tin, TriangleMesh};
 
 /// When insertion ends: at the first of both.
@@ -44,7 +44,7 @@ pub fn greedy(field: &HeightField, options: &GreedyOptions) -> Result<GreedyTin,
     if width.max(height) > net::MOST_SIDE || width as u64 * height as u64 > net::MOST_SAMPLES {
         return Err(MultiresError::TooLarge { width, height });
     }
-    let mut work = Work::new(field);
+    let mut work = Work::new(field, options.max_error_m);
     if work.hidden == work.net.triangle_count() {
         return Err(MultiresError::NothingToShow { width, height, no_data: field.no_data_count() });
     }
@@ -62,15 +62,15 @@ struct Work<'a> {
     worst: Vec<scan::Worst>,
     /// How often a triangle was looked at: older entries of the queue are void.
     looks: Vec<u32>,
-    queue: BinaryHeap<(u64, Reverse<u32>, u32)>,
+    queue: Queue,
 }
 
 impl<'a> Work<'a> {
-    fn new(field: &'a HeightField) -> Self {
+    fn new(field: &'a HeightField, max_error_m: f64) -> Self {
         let mut net = Net::of_grid(field.width() as i32, field.height() as i32);
         voids::outline(&mut net, field);
         let hidden = (0..net.triangle_count()).filter(|&t| !is_shown(&net, field, t)).count();
-        Self { field, net, hidden, worst: Vec::new(), looks: Vec::new(), queue: BinaryHeap::new() }
+        Self { field, net, hidden, worst: Vec::new(), looks: Vec::new(), queue: Queue::above(max_error_m) }
     }
 
     fn scan_all(&mut self, max_error_m: f64) {
@@ -81,7 +81,7 @@ impl<'a> Work<'a> {
 
     fn run(&mut self, options: &GreedyOptions) {
         let most = options.most_triangles.unwrap_or(usize::MAX);
-        while let Some((_, Reverse(t), look)) = self.queue.pop() {
+        while let Some((t, look)) = self.queue.pop() {
             if self.looks[t as usize] != look {
                 continue;
             }
@@ -108,15 +108,10 @@ impl<'a> Work<'a> {
             self.looks.resize(self.net.triangle_count(), 0);
         }
         self.looks[at] += 1;
-        self.worst[at] = if is_shown(&self.net, self.field, at) {
-            scan::worst_sample(self.field, self.net.places_of(at))
-        } else {
-            scan::Worst::NONE
-        };
+        self.worst[at] = scan::worst_sample(self.field, self.net.places_of(at));
         let error_m = self.worst[at].error_m;
         if error_m > max_error_m {
-            // errors are not negative: their bits are in their order
-            self.queue.push((error_m.to_bits(), Reverse(t), self.looks[at]));
+            self.queue.push(error_m, (t, self.looks[at]));
         }
     }
 

@@ -16,9 +16,13 @@ impl Worst {
     pub(super) const NONE: Self = Self { sample: 0, error_m: 0.0 };
 }
 
-/// Looks at every sample inside the triangle and on its edges; ties go to the first, row by row.
+/// Looks at every sample inside the triangle and on its edges; ties go to the first, row by row. A triangle with no-data at a
+/// corner misses none.
 pub(super) fn worst_sample(field: &HeightField, corners: [Place; 3]) -> Worst {
     let plane = Plane::of(field, corners);
+    if plane.slope[0].is_nan() || plane.slope[1].is_nan() {
+        return Worst::NONE;
+    }
     let (top, bottom) = corners.iter().fold((i32::MAX, i32::MIN), |(top, bottom), p| (top.min(p[1]), bottom.max(p[1])));
     let mut worst = Worst::NONE;
     for row in top..=bottom {

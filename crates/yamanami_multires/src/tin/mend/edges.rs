@@ -1,9 +1,9 @@
 //! Edges: which faces are there twice or crowd an edge, and which vertices of the border lie within its edges.
 
 use super::tree::{Rect, Tree};
-use super::{Fault, Faults, plan, vertex_place};
+use super::{Fault, Faults, touch_m, vertex_place};
+use glam::DVec2;
 use rayon::prelude::*;
-use robust::orient2d;
 use std::collections::HashSet;
 use yamanami_core::TriangleMesh;
 
@@ -51,7 +51,17 @@ pub(super) fn repeated(triangles: &[[u32; 3]], alive: &[bool]) -> [Vec<u32>; 2] 
 }
 
 /// Tells of vertices of the border that lie within one of its edges in plan.
-pub(super) fn find_t_junctions(mesh: &TriangleMesh, faults: &mut Faults) {
+pub(super) fn tell_t_junctions(mesh: &TriangleMesh, faults: &mut Faults) {
+    let found = t_junctions(mesh);
+    faults.add(Fault::TJunction, found.len(), || {
+        let vertex = found[0].0;
+        vertex_place(vertex as usize, mesh.positions[vertex as usize])
+    });
+}
+
+/// Vertices of the border that lie in one of its edges in plan, nearer than a millimetre and no end of it, ascending, each
+/// with that edge: neighbours there share no edge, and would part if either moved.
+pub fn t_junctions(mesh: &TriangleMesh) -> Vec<(u32, [u32; 2])> {
     let sides = sides(&mesh.triangles, |_| true);
     let border: Vec<[u32; 2]> = sides
         .chunk_by(|a, b| a.0 == b.0)
@@ -61,18 +71,27 @@ pub(super) fn find_t_junctions(mesh: &TriangleMesh, faults: &mut Faults) {
     let mut vertices: Vec<u32> = border.as_flattened().to_vec();
     vertices.sort_unstable();
     vertices.dedup();
+    if border.is_empty() {
+        return Vec::new();
+    }
+    let touch_m = touch_m(mesh);
     let place = |v: u32| mesh.positions[v as usize];
     let tree = Tree::new(border.iter().map(|e| Rect::around(&e.map(place))).collect());
-    let inside: Vec<u32> = vertices
-        .into_par_iter()
-        .filter(|&v| {
-            let p = place(v);
-            tree.any(&Rect::around(&[p]), |e| {
-                let [a, b] = border[e as usize].map(place);
-                let ends = [a, b].map(|end| end.truncate() == p.truncate());
-                ends == [false, false] && orient2d(plan(a), plan(b), plan(p)) == 0.0
-            })
-        })
-        .collect();
-    faults.add(Fault::TJunction, inside.len(), || vertex_place(inside[0] as usize, place(inside[0])));
+    let within = |v: u32| {
+        let p = place(v).truncate();
+        let found = std::cell::Cell::new(None);
+        let around = [DVec2::splat(-touch_m), DVec2::splat(touch_m)].map(|d| (p + d).extend(0.0));
+        tree.any(&Rect::around(&around), |e| {
+            let [a, b] = border[e as usize].map(|end| place(end).truncate());
+            let along = b - a;
+            let t = ((p - a).dot(along) / along.length_squared()).clamp(0.0, 1.0);
+            let is_in = p.distance(a) > touch_m && p.distance(b) > touch_m && p.distance(a + along * t) <= touch_m;
+            if is_in {
+                found.set(Some((v, border[e as usize])));
+            }
+            is_in
+        });
+        found.get()
+    };
+    vertices.into_par_iter().filter_map(within).collect()
 }

@@ -5,6 +5,8 @@ mod edges;
 mod overlap;
 mod tree;
 
+pub use edges::t_junctions;
+
 use crate::clean::{CleanOptions, clean, keep_faces, keep_vertices};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -32,10 +34,10 @@ pub enum Fault {
     DuplicateFace,
     /// Faces at a side of an edge where an earlier one is: dropped.
     CrowdedEdge,
-    /// Faces that cover a part of an earlier one in plan: dropped.
+    /// Faces that cover a part of an earlier one in plan, by more than a millimetre: dropped.
     Overlap,
-    /// Vertices within an edge of the border in plan, without being a corner there: found only. The surface is sound, but
-    /// may be open along that edge.
+    /// Vertices within a millimetre of an edge of the border in plan, without being a corner there: found only. The surface is sound, but
+    /// may be open by a hair along that edge.
     TJunction,
 }
 
@@ -105,7 +107,7 @@ pub fn mend(mut tin: Tin) -> MendedTin {
     if alive.contains(&false) {
         keep_faces(&mut tin.mesh, &alive);
     }
-    edges::find_t_junctions(&tin.mesh, &mut faults);
+    edges::tell_t_junctions(&tin.mesh, &mut faults);
     MendedTin { tin, faults: faults.0 }
 }
 
@@ -185,6 +187,13 @@ impl Faces<'_> {
 fn turn(positions: &[DVec3], corners: [u32; 3]) -> f64 {
     let [a, b, c] = corners.map(|v| plan(positions[v as usize]));
     orient2d(a, b, c)
+}
+
+/// What is nearer than this in plan touches, metres: a millimetre, less where the whole TIN is smaller than a kilometre.
+/// Surveys cut along a line and written with so many digits cover each other there by a hair.
+fn touch_m(mesh: &TriangleMesh) -> f64 {
+    let bounds = mesh.bounds();
+    (1e-6 * (bounds.max - bounds.min).truncate().max_element()).clamp(0.0, 1e-3)
 }
 
 fn plan(p: DVec3) -> Coord<f64> {
