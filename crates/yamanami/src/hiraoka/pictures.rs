@@ -22,7 +22,7 @@ const STRONGER: u32 = 4;
 /// The picture of the whole TIN, and how it was drawn.
 #[derive(Debug)]
 pub(super) struct FullPicture {
-    pub(super) picture: RgbaImage,
+    picture: RgbaImage,
     with_triangles: RgbaImage,
     style: RenderOptions,
 }
@@ -48,6 +48,14 @@ pub(super) fn full_picture(tin: &TriangleMesh, view: &View) -> Result<FullPictur
 }
 
 impl FullPicture {
+    pub(super) fn picture(&self) -> &RgbaImage {
+        &self.picture
+    }
+
+    pub(super) fn style(&self) -> &RenderOptions {
+        &self.style
+    }
+
     /// Draws another mesh the same way.
     pub(super) fn like(&self, mesh: &TriangleMesh, view: &View) -> Result<RgbaImage, Error> {
         picture(mesh, view, &self.style)
