@@ -1,11 +1,12 @@
 //! The drawing step timed and checked on a ground of some size: brute force, the paper's rule, the one that loses nothing.
 
-use super::DRAWN;
 use super::engine::{EngineFound, engine};
-use super::ground::{THRESHOLDS_M, grid, paper_view};
-use super::pictures::{Pictures, full_picture};
+use super::ground::{grid, paper_view, thresholds_m};
+use super::pictures::{full_picture, levels_picture};
+use super::{DRAWN, file_name};
 use crate::{Culling, DrawCounts, Error, TinDrawing, seen_triangles};
 use std::collections::{HashMap, HashSet};
+use std::path::Path;
 use std::time::Instant;
 use yamanami_core::TriangleMesh;
 use yamanami_measure::{FLIP_PIXELS_PER_DEGREE, flip, ssim};
@@ -63,17 +64,18 @@ pub(super) struct SizeFound {
     pub(super) engine: EngineFound,
 }
 
-/// Builds and draws a ground. Pictures of the paper's size are handed to `keep`.
+/// Builds and draws a ground. Pictures of one of the paper's size are written into `out`.
 pub(super) fn measure(
     tin: &TriangleMesh,
     copies: usize,
+    out: &Path,
     progress: &dyn Fn(&str),
-    keep: &mut dyn FnMut(&TinBlocks, &TinDrawing, Culling, Pictures) -> Result<(), Error>,
 ) -> Result<SizeFound, Error> {
     let title = format!("{} triangles", tin.triangles.len());
     progress(&format!("{title}: levels"));
     let start = Instant::now();
-    let chain = centroid_chain(tin, THRESHOLDS_M.len() + 1, DRAWN)?;
+    let thresholds_m = thresholds_m(copies);
+    let chain = centroid_chain(tin, thresholds_m.len() + 1, DRAWN)?;
     let chain_s = start.elapsed().as_secs_f64();
     progress(&format!("{title}: blocks"));
     let start = Instant::now();
@@ -84,7 +86,10 @@ pub(super) fn measure(
     let frustum = view.frustum();
     progress(&format!("{title}: the picture of all"));
     let full = full_picture(tin, &view)?;
-    let mut drawing = TinDrawing::new(THRESHOLDS_M.to_vec());
+    if copies == 1 {
+        full.save_itself(tin, &view, out)?;
+    }
+    let mut drawing = TinDrawing::new(thresholds_m);
     let mut rows = Vec::new();
     for (culling, name) in CULLINGS {
         progress(&format!("{title}: {name}"));
@@ -110,7 +115,10 @@ pub(super) fn measure(
             ssim: ssim(full.picture(), &picture)?,
             flip: flip(full.picture(), &picture, FLIP_PIXELS_PER_DEGREE)?.mean,
         });
-        keep(&blocks, &drawing, culling, full.beside(&mesh, picture, &view)?)?;
+        if copies == 1 && culling != Culling::BruteForce {
+            full.save(&mesh, &picture, &view, out, file_name(culling))?;
+            levels_picture(&blocks, &drawing, &view, &out.join(format!("levels_{}.png", file_name(culling))))?;
+        }
     }
     let gaps = gaps(&blocks, drawing.shown());
     let levels = (0..blocks.levels()).map(|l| (blocks.triangle_count(l), blocks.error_m(l))).collect();

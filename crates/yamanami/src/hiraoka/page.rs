@@ -2,6 +2,7 @@
 
 use super::decimation::{COLLAPSE, COMPARED, LevelError};
 use super::drawing::{CULLINGS, SizeFound};
+use super::engine::EngineRow;
 use super::poses::Losses;
 use super::{DRAWN, Findings, PAPER_TRIANGLES, file_name};
 use crate::page::{Page, count};
@@ -176,6 +177,7 @@ fn drawing(size: &SizeFound, out: &Path, page: &mut Page) -> Result<(), Error> {
         rows.push(vec![
             row.name.to_owned(),
             format!("{:.3}", row.median_ms),
+            format!("{:.3}", row.median_ms),
             format!("{:.1}", brute_ms / row.median_ms),
             count(row.triangles as u64),
             row.counts.blocks.to_string(),
@@ -190,8 +192,9 @@ fn drawing(size: &SizeFound, out: &Path, page: &mut Page) -> Result<(), Error> {
     for engine in &size.engine.rows {
         let mut row = vec![
             engine.name.clone(),
-            format!("{:.3}", engine.median_ms),
-            format!("{:.1}", brute_ms / engine.median_ms),
+            format!("{:.3}", engine.first_ms),
+            format!("{:.3}", engine.next_ms),
+            format!("{:.1}", brute_ms / engine.first_ms),
             count(engine.triangles as u64),
         ];
         row.extend(vec!["–".to_owned(); 5]);
@@ -200,7 +203,7 @@ fn drawing(size: &SizeFound, out: &Path, page: &mut Page) -> Result<(), Error> {
     }
     write_csv(
         &out.join(format!("drawing_{}x{}.csv", size.copies, size.copies)),
-        "method,median_ms,times_brute_force,triangles,blocks,block_tests,triangle_tests,lost_triangles,lost_blocks,ssim,flip",
+        "method,median_ms,next_frame_ms,times_brute_force,triangles,blocks,block_tests,triangle_tests,lost_triangles,lost_blocks,ssim,flip",
         &rows.iter().map(|row| row.iter().map(|cell| cell.replace([',', '–'], "")).collect()).collect::<Vec<_>>(),
     )?;
     page.table(head.map(str::to_owned).to_vec(), rows);
@@ -211,35 +214,31 @@ fn drawing(size: &SizeFound, out: &Path, page: &mut Page) -> Result<(), Error> {
         size.gaps.joined,
         count(size.gaps.apart as u64)
     ));
-    let fronts: Vec<String> = size
-        .engine
-        .rows
-        .iter()
-        .map(|row| format!("{}: {:.1} ms, {:.2} px of error left", row.name, row.first_ms, row.error_px))
-        .collect();
+    let left: Vec<String> =
+        size.engine.rows.iter().map(|row| format!("{}: {:.2} px", row.name, row.error_px)).collect();
     page.text(format!(
-        "The engine's hierarchy took {:.2} s. Its time is that of an update when the eye goes a metre ahead, found and meshed by \
-         differences; its triangles are all that it holds, those out of view too. The first front, from the base mesh: {}.",
+        "The engine's hierarchy took {:.2} s. Its time is that of finding the first front and meshing it, from the base mesh; its \
+         next frames (the mean of 60, the eye going 10 m ahead in each) pay for differences only, where the others begin \
+         again. Its triangles are all that it holds, those out of view too. Largest error left: {}.",
         size.engine.build_s,
-        fronts.join("; ")
+        left.join("; ")
     ));
     if size.copies == 1 {
         page.picture("view_full.png", "The whole TIN");
         page.picture("triangles_full.png", "The whole TIN with its triangles");
-        for (culling, name) in CULLINGS {
+        for (culling, name) in CULLINGS.into_iter().filter(|(culling, _)| *culling != Culling::BruteForce) {
             let file = file_name(culling);
-            if culling != Culling::BruteForce {
-                page.picture(format!("triangles_{file}.png"), format!("Drawn: {name}"));
-            }
+            page.picture(format!("triangles_{file}.png"), format!("Drawn: {name}"));
             page.picture(
                 format!("difference_{file}.png"),
                 format!("Difference from the whole TIN, four times as strong: {name}"),
             );
-        }
-        for (culling, name) in CULLINGS.into_iter().skip(1) {
             page.picture(
-                format!("levels_{}.png", file_name(culling)),
-                format!("What is drawn, {name}: blue whole, orange half, green a quarter, grey not at all; the lines are the field of view and the thresholds"),
+                format!("levels_{file}.png"),
+                format!(
+                    "What is drawn from above, {name}: blue whole, orange half, green a quarter, grey not at all; red: the field of \
+                     view and the distances 1,000 and 2,000 m"
+                ),
             );
         }
     }
@@ -259,14 +258,17 @@ fn by_size(found: &Findings, out: &Path, page: &mut Page) -> Result<(), Error> {
             .collect(),
         style: Style::LineAndPoints,
     });
-    let engine = [0, 1].map(|nth| Series {
-        name: found.sizes[0].engine.rows.get(nth).map_or_else(String::new, |row| row.name.clone()),
-        points: found
-            .sizes
-            .iter()
-            .filter_map(|size| Some([size.levels.first()?.0 as f64, size.engine.rows.get(nth)?.median_ms]))
-            .collect(),
-        style: Style::Dashed,
+    let engine = [("first", false), ("next", true)].into_iter().flat_map(|(which, is_next)| {
+        [0, 1].map(move |nth| {
+            let time = |row: &EngineRow| if is_next { row.next_ms } else { row.first_ms };
+            let point = |size: &SizeFound| Some([size.levels.first()?.0 as f64, time(size.engine.rows.get(nth)?)]);
+            let name = found.sizes[0].engine.rows.get(nth).map_or("", |row| row.name.as_str());
+            Series {
+                name: format!("{name}: {which}"),
+                points: found.sizes.iter().filter_map(point).collect(),
+                style: Style::Dashed,
+            }
+        })
     });
     lines(
         out.join("time_by_size.png"),
@@ -301,7 +303,7 @@ fn poses(found: &Findings, out: &Path, page: &mut Page) -> Result<(), Error> {
             l.lost_conservative.to_string(),
         ]
     };
-    let rows = vec![row("the TIN", &found.losses), row("a TIN of 2,000 triangles", &found.many_losses)];
+    let rows: Vec<Vec<String>> = found.losses.iter().map(|(name, losses)| row(name, losses)).collect();
     let head = [
         "",
         "poses",

@@ -1,6 +1,6 @@
 //! The experiment's pictures: hill-shaded, their difference, and which level each block is drawn at.
 
-use super::ground::{THRESHOLDS_M, plan_view};
+use super::ground::plan_view;
 use crate::{Canvas, DrawWith, Error, TinDrawing};
 use glam::{DVec2, DVec3};
 use image::{Rgba, RgbaImage};
@@ -23,15 +23,7 @@ const STRONGER: u32 = 4;
 #[derive(Debug)]
 pub(super) struct FullPicture {
     picture: RgbaImage,
-    with_triangles: RgbaImage,
     style: RenderOptions,
-}
-
-/// A picture of what was drawn, and with its triangles, beside those of the whole.
-#[derive(Debug)]
-pub(super) struct Pictures {
-    pub(super) full: [RgbaImage; 2],
-    pub(super) drawn: [RgbaImage; 2],
 }
 
 /// Draws a whole TIN.
@@ -44,7 +36,7 @@ pub(super) fn full_picture(tin: &TriangleMesh, view: &View) -> Result<FullPictur
         light: Light { strength: 4.0, ..Light::default() },
         ..RenderOptions::default()
     };
-    Ok(FullPicture { picture: picture(tin, view, &style)?, with_triangles: picture(tin, view, &wired(&style))?, style })
+    Ok(FullPicture { picture: picture(tin, view, &style)?, style })
 }
 
 impl FullPicture {
@@ -61,10 +53,29 @@ impl FullPicture {
         picture(mesh, view, &self.style)
     }
 
-    /// What is kept of a picture.
-    pub(super) fn beside(&self, mesh: &TriangleMesh, drawn: RgbaImage, view: &View) -> Result<Pictures, Error> {
-        let with_triangles = picture(mesh, view, &wired(&self.style))?;
-        Ok(Pictures { full: [self.picture.clone(), self.with_triangles.clone()], drawn: [drawn, with_triangles] })
+    /// Saves the picture itself, plain and with triangles.
+    pub(super) fn save_itself(&self, tin: &TriangleMesh, view: &View, out: &Path) -> Result<(), Error> {
+        save(&self.picture, &out.join("view_full.png"))?;
+        save(&picture(tin, view, &wired(&self.style))?, &out.join("triangles_full.png"))
+    }
+
+    /// Saves what was drawn of a mesh, with its triangles, and how it differs: white where it does not.
+    pub(super) fn save(
+        &self,
+        mesh: &TriangleMesh,
+        drawn: &RgbaImage,
+        view: &View,
+        out: &Path,
+        name: &str,
+    ) -> Result<(), Error> {
+        let difference = RgbaImage::from_fn(drawn.width(), drawn.height(), |x, y| {
+            let (a, b) = (self.picture.get_pixel(x, y).0, drawn.get_pixel(x, y).0);
+            let most = (0..3).map(|k| u32::from(a[k].abs_diff(b[k]))).max().unwrap_or(0);
+            let grey = 255 - (STRONGER * most).min(255) as u8;
+            Rgba([grey, grey, grey, 255])
+        });
+        save(&picture(mesh, view, &wired(&self.style))?, &out.join(format!("triangles_{name}.png")))?;
+        save(&difference, &out.join(format!("difference_{name}.png")))
     }
 }
 
@@ -74,24 +85,6 @@ fn wired(style: &RenderOptions) -> RenderOptions {
 
 fn picture(mesh: &TriangleMesh, view: &View, style: &RenderOptions) -> Result<RgbaImage, Error> {
     Canvas::of_mesh(mesh, DrawWith::Software)?.draw(view, style)
-}
-
-impl Pictures {
-    /// Saves both and their difference: white where they are equal.
-    pub(super) fn save(&self, out: &Path, name: &str) -> Result<(), Error> {
-        let [full, drawn] = [&self.full[0], &self.drawn[0]];
-        let difference = RgbaImage::from_fn(full.width(), full.height(), |x, y| {
-            let (a, b) = (full.get_pixel(x, y).0, drawn.get_pixel(x, y).0);
-            let most = (0..3).map(|k| u32::from(a[k].abs_diff(b[k]))).max().unwrap_or(0);
-            let grey = 255 - (STRONGER * most).min(255) as u8;
-            Rgba([grey, grey, grey, 255])
-        });
-        for (nth, kind) in ["view", "triangles"].into_iter().enumerate() {
-            save(&self.full[nth], &out.join(format!("{kind}_full.png")))?;
-            save(&self.drawn[nth], &out.join(format!("{kind}_{name}.png")))?;
-        }
-        save(&difference, &out.join(format!("difference_{name}.png")))
-    }
 }
 
 /// The plan of the whole TIN, hill-shaded, with its triangles.
@@ -107,7 +100,7 @@ pub(super) fn plan(tin: &TriangleMesh, path: &Path) -> Result<(), Error> {
 }
 
 /// The plan with each block in the colour of its level, pale where it is not drawn, and the eye with its field of view.
-pub(super) fn levels(blocks: &TinBlocks, drawing: &TinDrawing, view: &View, path: &Path) -> Result<(), Error> {
+pub(super) fn levels_picture(blocks: &TinBlocks, drawing: &TinDrawing, view: &View, path: &Path) -> Result<(), Error> {
     let mut mesh = TriangleMesh::default();
     let mut add = |corners: [DVec3; 3], colour: [u8; 4]| {
         let first = mesh.positions.len() as u32;
@@ -140,7 +133,7 @@ pub(super) fn levels(blocks: &TinBlocks, drawing: &TinDrawing, view: &View, path
     for side in [-1.0, 1.0] {
         line(eye, eye + 4000.0 * turned(side));
     }
-    for radius_m in THRESHOLDS_M {
+    for &radius_m in &drawing.thresholds_m {
         for step in -16..16 {
             let [from, to] = [step, step + 1].map(|at| eye + radius_m * turned(f64::from(at) / 16.0));
             line(from, to);
