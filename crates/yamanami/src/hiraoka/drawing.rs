@@ -1,14 +1,14 @@
 //! The drawing step timed and checked on a ground of some size: brute force, the paper's rule, the one that loses nothing.
 
 use super::engine::{EngineFound, engine};
-use super::ground::{grid, paper_view, thresholds_m};
+use super::ground::{grid, own_block_view, paper_view, thresholds_m};
 use super::pictures::{full_picture, levels_picture};
 use super::{DRAWN, file_name};
 use crate::{Culling, DrawCounts, Error, TinDrawing, seen_triangles};
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 use std::time::Instant;
-use yamanami_core::TriangleMesh;
+use yamanami_core::{Frustum, TriangleMesh};
 use yamanami_measure::{FLIP_PIXELS_PER_DEGREE, flip, ssim};
 use yamanami_multires::tin_block::{TinBlocks, centroid_chain};
 
@@ -95,14 +95,7 @@ pub(super) fn measure(
         progress(&format!("{title}: {name}"));
         let mut counts = DrawCounts::default();
         let median_ms = median_ms(|| counts = drawing.draw(&blocks, &view, culling));
-        let (mut lost_triangles, mut lost_blocks) = (0, 0);
-        for block in 0..blocks.grid().len() {
-            let drawn: HashSet<_> = drawing.triangles_of(block).iter().collect();
-            let seen = seen_triangles(&blocks, block, drawing.shown(), &frustum);
-            let lost = seen.iter().filter(|&triangle| !drawn.contains(triangle)).count();
-            lost_triangles += lost;
-            lost_blocks += usize::from(lost > 0 && lost == seen.len());
-        }
+        let [lost_triangles, lost_blocks] = lost(&blocks, &drawing, &frustum);
         let mesh = blocks.compact(drawing.triangles());
         let picture = full.like(&mesh, &view)?;
         rows.push(DrawRow {
@@ -127,6 +120,36 @@ pub(super) fn measure(
     progress(&format!("{title}: the engine"));
     let engine = engine(tin, &view, &full, drawing.triangles().len())?;
     Ok(SizeFound { copies, blocks: count, chain_s, blocks_s, levels, rows, gaps, engine })
+}
+
+/// How many triangles, and blocks with all their triangles, are seen at the levels that were chosen, and not drawn.
+fn lost(blocks: &TinBlocks, drawing: &TinDrawing, frustum: &Frustum) -> [usize; 2] {
+    let mut lost = [0, 0];
+    for block in 0..blocks.grid().len() {
+        let drawn: HashSet<_> = drawing.triangles_of(block).iter().collect();
+        let seen = seen_triangles(blocks, block, drawing.shown(), frustum);
+        let missing = seen.iter().filter(|&triangle| !drawn.contains(triangle)).count();
+        lost[0] += missing;
+        lost[1] += usize::from(missing > 0 && missing == seen.len());
+    }
+    lost
+}
+
+/// What the paper's rule draws from the middle of a block, as a picture beside that of the conservative one; gives the
+/// triangles and whole blocks that it loses.
+pub(super) fn own_block(tin: &TriangleMesh, out: &Path) -> Result<[usize; 2], Error> {
+    let (view, thresholds_m) = (own_block_view(), thresholds_m(1));
+    let blocks = TinBlocks::new(&centroid_chain(tin, thresholds_m.len() + 1, DRAWN)?, grid(1)?)?;
+    let full = full_picture(tin, &view)?;
+    let mut drawing = TinDrawing::new(thresholds_m);
+    let mut losses = [0, 0];
+    for culling in [Culling::Conservative, Culling::Faithful] {
+        drawing.draw(&blocks, &view, culling);
+        losses = lost(&blocks, &drawing, &view.frustum());
+        let mesh = blocks.compact(drawing.triangles());
+        full.save_triangles(&mesh, &view, &out.join(format!("own_block_{}.png", file_name(culling))))?;
+    }
+    Ok(losses)
 }
 
 /// Median time of a job in milliseconds.

@@ -97,6 +97,13 @@ pub(super) fn view_in_plan() -> View {
     View { fov_y_rad, viewport_px: [4_142, 10_000_000], ..paper_view() }
 }
 
+/// An eye over the middle of a block that looks east and 20° down: the block that it is in has no corner in view.
+pub(super) fn own_block_view() -> View {
+    let eye = DVec3::new(2.5 * BLOCK_M, 2.5 * BLOCK_M, 100.0);
+    let fall = 20f64.to_radians();
+    View { eye, target: eye + DVec3::new(fall.cos(), 0.0, -fall.sin()), ..paper_view() }
+}
+
 /// Straight down on the paper's ground, from so far that nothing leans.
 pub(super) fn plan_view(longest_px: u32) -> View {
     let extent = DVec2::new(COLUMNS as f64 * BLOCK_M, ROWS as f64 * BLOCK_M);

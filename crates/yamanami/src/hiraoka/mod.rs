@@ -38,6 +38,8 @@ pub(crate) struct Findings {
     heights_m: [f64; 3],
     decimation: Vec<LevelError>,
     sizes: Vec<SizeFound>,
+    /// Triangles and whole blocks that the paper's rule loses from the middle of a block.
+    own_block_lost: [usize; 2],
     /// By TIN and view.
     losses: Vec<(&'static str, Losses)>,
 }
@@ -64,6 +66,8 @@ pub fn hiraoka(
     for &copies in copies {
         sizes.push(drawing::measure(&mirrored(&tin, copies), copies, out, progress)?);
     }
+    progress("the eye's own block");
+    let own_block_lost = drawing::own_block(&tin, out)?;
     progress("random poses");
     let lost = |tin: &TriangleMesh, view: &View, poses: usize| -> Result<Losses, Error> {
         let chain = centroid_chain(tin, thresholds_m(1).len() + 1, DRAWN)?;
@@ -81,7 +85,7 @@ pub fn hiraoka(
     ];
     progress("writing the page");
     let heights_m = [bounds.min.z, sum / count.max(1) as f64, bounds.max.z];
-    page::write(&Findings { title, heights_m, decimation, sizes, losses }, out)
+    page::write(&Findings { title, heights_m, decimation, sizes, own_block_lost, losses }, out)
 }
 
 /// For file names.

@@ -56,7 +56,12 @@ impl FullPicture {
     /// Saves the picture itself, plain and with triangles.
     pub(super) fn save_itself(&self, tin: &TriangleMesh, view: &View, out: &Path) -> Result<(), Error> {
         save(&self.picture, &out.join("view_full.png"))?;
-        save(&picture(tin, view, &wired(&self.style))?, &out.join("triangles_full.png"))
+        self.save_triangles(tin, view, &out.join("triangles_full.png"))
+    }
+
+    /// Saves another mesh drawn the same way, with its triangles.
+    pub(super) fn save_triangles(&self, mesh: &TriangleMesh, view: &View, path: &Path) -> Result<(), Error> {
+        save(&picture(mesh, view, &wired(&self.style))?, path)
     }
 
     /// Saves what was drawn of a mesh, with its triangles, and how it differs: white where it does not.
@@ -74,7 +79,7 @@ impl FullPicture {
             let grey = 255 - (STRONGER * most).min(255) as u8;
             Rgba([grey, grey, grey, 255])
         });
-        save(&picture(mesh, view, &wired(&self.style))?, &out.join(format!("triangles_{name}.png")))?;
+        self.save_triangles(mesh, view, &out.join(format!("triangles_{name}.png")))?;
         save(&difference, &out.join(format!("difference_{name}.png")))
     }
 }
