@@ -115,7 +115,6 @@ pub fn finest_mesh(path: &Path) -> Result<TriangleMesh, Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use yamanami_measure::tin::{PlanIndex, footing};
     use yamanami_measure::tin::{PlanIndex, footing, vertical_difference};
     use yamanami_testkit::SyntheticTerrain;
 
