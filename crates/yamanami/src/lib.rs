@@ -22,6 +22,7 @@ mod flight;
 mod flight_report;
 mod full_surface;
 mod hide;
+mod hiraoka;
 mod large;
 mod look;
 mod mizuno;
@@ -40,6 +41,9 @@ mod reproduce;
 mod scene;
 mod subject;
 mod terrain;
+mod thin;
+mod tin;
+mod tin_draw;
 mod wavelet;
 mod yama;
 
@@ -53,6 +57,7 @@ pub use flight::{FlightMode, FlightOptions, FrameStats, Lod, fly};
 pub use flight_report::{FlightSummary, summary, write_flight_plots};
 pub use full_surface::{FullSurface, finest_mesh};
 pub use hide::{Closing, SeenSide, close, seen_side};
+pub use hiraoka::hiraoka;
 pub use large::{LargeOptions, LargeReport, LargeTarget, reduce_large};
 pub use look::{LookLimits, LookSame, Original, Probe, look_same, worst_of};
 pub use mizuno::{MizunoModel, mizuno};
@@ -70,6 +75,9 @@ pub use reproduce::hashida;
 pub use scene::{Scene, Update};
 pub use subject::Subject;
 pub use terrain::{OpenOptions, Terrain};
+pub use thin::{ThinBy, ThinLevel, thin};
+pub use tin::{GroundOptions, ReadGround, is_tin_file, read_ground};
+pub use tin_draw::{Culling, DrawCounts, TinDrawing, seen_triangles};
 pub use wavelet::{
     Approximation, DateModel, Fullness, KEPT_SHARES, SemiRegularModel, WaveletModel, WaveletRow, WaveletStudy, date,
     paper_fullness, usual_thresholds_m, wavelet_study, write_wavelet_plots,

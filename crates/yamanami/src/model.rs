@@ -1,13 +1,15 @@
 //! A scanned model at every level of detail: from a mesh file, built in memory, or from a `.yama` database, read by pages.
 
-use crate::{Error, Subject, coloured_style};
+use crate::{Error, GroundOptions, Subject, coloured_style, is_tin_file, read_ground};
 use rayon::prelude::*;
 use std::path::Path;
-use yamanami_core::{Aabb, BASE_CLUSTERS, ClusterPage, Hierarchy, NodeId, TriangleMesh};
+use yamanami_core::{Aabb, BASE_CLUSTERS, ClusterPage, Crs, Hierarchy, NodeId, Snap, Tin, TriangleMesh};
 use yamanami_gpu::RenderOptions;
-use yamanami_io::store::{ClusterCodec, ClusterMeta, ClusterStore, ClusterWriter, Rounding, put_in_order};
+use yamanami_io::store::{
+    ClusterCodec, ClusterMeta, ClusterStore, ClusterWriter, Rounding, TinAnnex, TinMeta, put_in_order,
+};
 use yamanami_io::{IoError, mesh_file};
-use yamanami_multires::cluster::{ClusterBuild, ClusterOptions, ClusterSurface, build};
+use yamanami_multires::cluster::{ClusterBuild, ClusterOptions, ClusterSurface, build, build_tin};
 
 /// A model ready to be shown or extracted.
 #[derive(Debug)]
@@ -15,6 +17,9 @@ pub struct Model {
     surface: ClusterSurface,
     store: Option<ClusterStore>,
     facts: Facts,
+    /// What a TIN in memory has beside its triangles.
+    annex: TinAnnex,
+    notes: Vec<String>,
 }
 
 /// What is known of a model beside its hierarchy.
@@ -26,6 +31,7 @@ struct Facts {
     vertices: u64,
     has_colours: bool,
     deepest_level: u32,
+    tin: Option<TinMeta>,
 }
 
 /// Pages coded between two writes.
@@ -61,6 +67,7 @@ pub struct ModelBuild {
     build: ClusterBuild,
     mean_edge_m: f64,
     facts: Facts,
+    annex: TinAnnex,
 }
 
 impl ModelBuild {
@@ -70,6 +77,24 @@ impl ModelBuild {
             return Err(Error::Request(format!("{title}: expected a mesh with triangles, found none")));
         }
         let built = build(mesh, &ClusterOptions { progress: Some(progress), ..ClusterOptions::default() })?;
+        Ok(Self::of_built(built, mesh, title))
+    }
+
+    /// Builds the hierarchy of a TIN that does not overlap in plan: its vertices are kept bit for bit, errors are vertical.
+    /// `progress` hears of the share done, 0 to 1.
+    pub fn of_tin(tin: &Tin, title: String, progress: &(dyn Fn(f32) + Sync)) -> Result<Self, Error> {
+        if tin.mesh.triangles.is_empty() {
+            return Err(Error::Request(format!("{title}: expected a TIN with triangles, found none")));
+        }
+        let snap = Snap::of(&tin.mesh.positions, tin.unit_m);
+        let options = ClusterOptions { progress: Some(progress), ..ClusterOptions::default() };
+        let mut built = Self::of_built(build_tin(tin, Some(snap), &options)?, &tin.mesh, title);
+        built.facts.tin = Some(TinMeta { crs: tin.crs.clone(), unit_m: tin.unit_m, snap });
+        built.annex = TinAnnex::of(tin);
+        Ok(built)
+    }
+
+    fn of_built(built: ClusterBuild, mesh: &TriangleMesh, title: String) -> Self {
         let edges = mesh.triangles.iter().map(|t| {
             let [a, b, c] = t.map(|v| mesh.positions[v as usize]);
             a.distance(b) + b.distance(c) + c.distance(a)
@@ -82,8 +107,9 @@ impl ModelBuild {
             vertices: mesh.positions.len() as u64,
             has_colours: !mesh.colours.is_empty(),
             deepest_level: deepest(built.nodes.iter().map(|n| n.level)),
+            tin: None,
         };
-        Ok(Self { build: built, mean_edge_m, facts })
+        Self { build: built, mean_edge_m, facts, annex: TinAnnex::default() }
     }
 
     /// Writes it as a database. `path` changes only when all is written. `progress` hears of the share done, 0 to 1.
@@ -97,6 +123,7 @@ impl ModelBuild {
         put_in_order(&build.nodes, &build.base_clusters, &mut build.base, &mut build.pages);
         let bounds = self.facts.bounds;
         let quantum_m = match options.max_error_m {
+            _ if let Some(tin) = &self.facts.tin => tin.snap.metres(1.0),
             Some(error_m) => ClusterMeta::quantum_within_m(&bounds, error_m),
             None => ClusterMeta::usual_quantum_m(&bounds, self.mean_edge_m),
         };
@@ -113,9 +140,12 @@ impl ModelBuild {
             nodes: build.nodes.len() as u32,
             triangles: all().map(|p| p.triangles.len() as u64).sum(),
             vertices: all().map(|p| p.vertices.len() as u64).sum(),
+            tin: self.facts.tin.clone(),
         };
         let mut rounding = Rounding::new(ClusterCodec::new(&meta));
-        std::iter::once(&mut build.base).chain(&mut build.pages).try_for_each(|page| rounding.round(page))?;
+        if meta.tin.is_none() {
+            std::iter::once(&mut build.base).chain(&mut build.pages).try_for_each(|page| rounding.round(page))?;
+        }
         let max_error_m = rounding.max_error_m();
         meta.max_error_m = max_error_m;
         if let Some(asked_m) = options.max_error_m.filter(|&asked_m| asked_m < max_error_m) {
@@ -146,6 +176,9 @@ impl ModelBuild {
             }
             progress(((done + 1) * PAGES_AT_ONCE).min(pages.len()) as f32 / pages.len() as f32);
         }
+        if self.facts.tin.is_some() {
+            writer.insert_annex(&self.annex)?;
+        }
         writer.finish()?;
         Ok(stored)
     }
@@ -155,7 +188,7 @@ impl ModelBuild {
         let ClusterBuild { nodes, base_clusters, base, pages, .. } = self.build;
         let mut surface = ClusterSurface::new(&nodes, &base_clusters, base)?;
         pages.into_iter().try_for_each(|page| surface.insert(page))?;
-        Ok(Model { surface, store: None, facts: self.facts })
+        Ok(Model { surface, store: None, facts: self.facts, annex: self.annex, notes: Vec::new() })
     }
 }
 
@@ -164,11 +197,16 @@ fn deepest(levels: impl Iterator<Item = u32>) -> u32 {
 }
 
 impl Model {
-    /// Opens a `.yama`, or builds a mesh file in memory. `progress` hears of the share built, 0 to 1.
+    /// Opens a `.yama`, or builds a TIN or mesh file in memory. `progress` hears of the share built, 0 to 1.
     pub fn open(path: &Path, progress: &(dyn Fn(f32) + Sync)) -> Result<Self, Error> {
         let title = path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
         if mesh_file::is_mesh_name(path) {
             return ModelBuild::of_mesh(&mesh_file::read_mesh(path)?, title, progress)?.into_model();
+        }
+        if is_tin_file(path) {
+            let read = read_ground(&[path.to_owned()], &GroundOptions::default())?;
+            let built = ModelBuild::of_tin(&read.tin, title, progress)?;
+            return Ok(Self { notes: read.notes, ..built.into_model()? });
         }
         let store = ClusterStore::open(path)?;
         let meta = store.meta();
@@ -179,16 +217,35 @@ impl Model {
             vertices: meta.source_vertices,
             has_colours: meta.has_colours,
             deepest_level: deepest(store.nodes().iter().map(|n| n.level)),
+            tin: meta.tin.clone(),
         };
         let base = store.page(BASE_CLUSTERS)?;
         let surface =
             ClusterSurface::new(store.nodes(), store.base_clusters(), base).map_err(|e| damaged(&store, &e))?;
-        Ok(Self { surface, store: Some(store), facts })
+        Ok(Self { surface, store: Some(store), facts, annex: TinAnnex::default(), notes: Vec::new() })
     }
 
     /// The database behind the model, if any.
     pub fn store(&self) -> Option<&ClusterStore> {
         self.store.as_ref()
+    }
+
+    /// The facts of a TIN; `None` for a scan.
+    pub fn tin(&self) -> Option<&TinMeta> {
+        self.facts.tin.as_ref()
+    }
+
+    /// What a TIN's file knew beside its visible triangles.
+    pub fn annex(&self) -> Result<TinAnnex, Error> {
+        match &self.store {
+            Some(store) => Ok(store.annex()?),
+            None => Ok(self.annex.clone()),
+        }
+    }
+
+    /// What was dropped, mended or assumed when the source was read, one line each.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
     }
 
     /// Whether vertices have colours of their own.
@@ -240,6 +297,10 @@ impl Subject for Model {
 
     fn is_paged(&self) -> bool {
         self.store.is_some()
+    }
+
+    fn crs_and_unit(&self, _in_source: bool) -> (Crs, f64) {
+        self.facts.tin.as_ref().map_or((Crs::default(), 1.0), |tin| (tin.crs.clone(), tin.unit_m))
     }
 
     fn load(&mut self, wanted: &[NodeId], max_pages: usize) -> Result<usize, Error> {

@@ -2,7 +2,7 @@
 
 use crate::{Error, Terrain};
 use glam::DVec3;
-use yamanami_core::{Aabb, NodeId, Surface};
+use yamanami_core::{Aabb, Crs, NodeId, Surface};
 use yamanami_gpu::RenderOptions;
 
 /// A surface with its data: all in memory, or read by pages from a database.
@@ -45,6 +45,12 @@ pub trait Subject {
     /// A place of the local frame in the source's coordinates.
     fn source_from_local(&self, place: DVec3) -> DVec3 {
         place
+    }
+
+    /// The CRS of the source's coordinates, and metres in their unit; unknown and 1 in the local frame of a terrain.
+    fn crs_and_unit(&self, in_source: bool) -> (Crs, f64) {
+        let crs = self.as_terrain().filter(|_| in_source).map_or_else(Crs::default, |t| t.geo().crs.clone());
+        (crs, 1.0)
     }
 
     /// The terrain, if it is one.

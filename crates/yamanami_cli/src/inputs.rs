@@ -28,14 +28,22 @@ pub(crate) fn subject(source: &SourceArgs) -> Result<Opened, Failure> {
             return Ok(Opened::Progressive(Box::new(WaveletModel::open(path, u64::MAX)?)));
         }
         let bar = Bar::shares("opening");
-        return Ok(Opened::Model(Box::new(Model::open(path, &|share| bar.set_share(share))?)));
+        let model = Model::open(path, &|share| bar.set_share(share))?;
+        drop(bar);
+        model.notes().iter().for_each(|line| note(&format!("note: {line}")));
+        return Ok(Opened::Model(Box::new(model)));
     }
     Ok(Opened::Terrain(Box::new(open(&source.sources, &source.reading)?)))
 }
 
-/// Whether a file is a mesh or a model's database.
+/// Whether a file is a TIN by its format; meshes may be TINs and do not count.
+pub(crate) fn is_tin(path: &Path) -> bool {
+    yamanami::is_tin_file(path)
+}
+
+/// Whether a file is a TIN, a mesh or a model's database.
 pub(crate) fn is_model(path: &Path) -> Result<bool, Failure> {
-    Ok(is_mesh(path) || is_progressive(path)? || (is_yama(path) && ClusterStore::is_model(path)?))
+    Ok(is_tin(path) || is_mesh(path) || is_progressive(path)? || (is_yama(path) && ClusterStore::is_model(path)?))
 }
 
 /// Whether a file is a progressive model.

@@ -72,3 +72,75 @@ impl Tin {
         Self { name: name.into(), mesh, ..Self::default() }
     }
 }
+
+/// A lattice of places: coordinates that are whole multiples of `unit_m / per_unit` metres, each the one number that
+/// `steps / per_unit * unit_m` gives. A survey in feet of four decimals lies on one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Snap {
+    /// Metres in a unit.
+    pub unit_m: f64,
+    /// Parts of a unit.
+    pub per_unit: f64,
+}
+
+impl Snap {
+    /// The nearest whole number of steps.
+    pub fn steps(&self, x_m: f64) -> f64 {
+        (x_m / self.unit_m * self.per_unit).round()
+    }
+
+    /// The coordinate of a whole number of steps.
+    pub fn metres(&self, steps: f64) -> f64 {
+        steps / self.per_unit * self.unit_m
+    }
+
+    /// The nearest place of the lattice.
+    pub fn place(&self, p: DVec3) -> DVec3 {
+        // adding zero makes -0 and 0 one
+        DVec3::from_array(p.to_array().map(|x| self.metres(self.steps(x)) + 0.0))
+    }
+
+    /// The lattice that all these coordinates lie on exactly, or else a fine one of halves of a metre that they do not;
+    /// `unit_m` is that of their file. No coordinate is more than 2³⁰ steps from another.
+    pub fn of(positions: &[DVec3], unit_m: f64) -> Self {
+        let mut low = DVec3::INFINITY;
+        let mut high = DVec3::NEG_INFINITY;
+        for &p in positions {
+            low = low.min(p);
+            high = high.max(p);
+        }
+        let extent_m = (high - low).max_element().max(0.0);
+        let fits = |s: &Self| extent_m / s.unit_m * s.per_unit < MOST_STEPS;
+        let is_on = |s: &Self| positions.iter().all(|&p| s.place(p) == p);
+        let decimals = (0..=MOST_DECIMALS).map(|k| Self { unit_m, per_unit: 10f64.powi(k) });
+        decimals.filter(fits).find(is_on).unwrap_or_else(|| {
+            let finest = (MOST_STEPS / extent_m.max(f64::MIN_POSITIVE)).log2().floor();
+            Self { unit_m: 1.0, per_unit: finest.min(USUAL_HALVINGS).exp2() }
+        })
+    }
+}
+
+/// Most steps between two coordinates.
+const MOST_STEPS: f64 = (1u32 << 29) as f64;
+/// Decimals that are tried.
+const MOST_DECIMALS: i32 = 6;
+/// A place between the steps is 2⁻¹³ m, a tenth of a millimetre, from one at most.
+const USUAL_HALVINGS: f64 = 12.0;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn decimals_of_feet_are_found_and_come_back() {
+        let feet = |x: f64| x * US_SURVEY_FOOT_M;
+        let positions = [[835_771.7111, 1_069_494.2166, 450.6821], [835_738.5361, 1_069_521.32, -0.5]]
+            .map(|p: [f64; 3]| DVec3::from_array(p.map(feet)));
+        let snap = Snap::of(&positions, US_SURVEY_FOOT_M);
+        assert_eq!(snap.per_unit, 1e4);
+        assert!(positions.iter().all(|&p| snap.place(p) == p));
+        let other = Snap::of(&[positions[0], positions[1] * (1.0 / 3.0)], US_SURVEY_FOOT_M);
+        assert_eq!((other.unit_m, other.per_unit.log2().fract()), (1.0, 0.0));
+        assert!(Snap::of(&[], 1.0).per_unit >= 1.0);
+    }
+}

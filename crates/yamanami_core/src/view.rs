@@ -1,6 +1,6 @@
 //! Cameras: where the eye is, what it sees, and how large an error looks.
 
-use crate::Sphere;
+use crate::{Aabb, Sphere};
 use glam::{DMat4, DVec3, DVec4};
 
 /// A camera over the local metric frame.
@@ -41,6 +41,17 @@ pub struct Perspective {
 #[derive(Debug, Clone, Copy)]
 pub struct Frustum {
     planes: [DVec4; 5],
+}
+
+/// How something lies to what a view sees.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sight {
+    /// Nothing of it is seen.
+    Outside,
+    /// Some of it may be seen.
+    Crosses,
+    /// All of it is seen.
+    Inside,
 }
 
 impl View {
@@ -93,6 +104,53 @@ impl Frustum {
     pub fn margin_m(&self, sphere: Sphere) -> f64 {
         let p = sphere.centre.extend(1.0);
         self.planes.iter().map(|n| n.dot(p)).fold(f64::INFINITY, f64::min) + sphere.radius_m
+    }
+
+    /// Whether a point is seen; the border counts.
+    pub fn sees_point(&self, p: DVec3) -> bool {
+        self.planes.iter().all(|n| n.dot(p.extend(1.0)) >= 0.0)
+    }
+
+    /// How a box lies to it. Only what lies wholly outside one of the planes is called outside.
+    pub fn sight_of(&self, b: &Aabb) -> Sight {
+        let mut sight = Sight::Inside;
+        for n in &self.planes {
+            // the corners furthest along the normal, and against it
+            let is_up = n.truncate().cmpge(DVec3::ZERO);
+            let (far, near) = (DVec3::select(is_up, b.max, b.min), DVec3::select(is_up, b.min, b.max));
+            if n.dot(far.extend(1.0)) < 0.0 {
+                return Sight::Outside;
+            }
+            if n.dot(near.extend(1.0)) < 0.0 {
+                sight = Sight::Crosses;
+            }
+        }
+        sight
+    }
+
+    /// Whether all corners of a triangle lie outside one plane, so that nothing of it is seen.
+    pub fn misses(&self, corners: [DVec3; 3]) -> bool {
+        self.planes.iter().any(|n| corners.iter().all(|p| n.dot(p.extend(1.0)) < 0.0))
+    }
+
+    /// What of a triangle is seen, corner by corner; empty where nothing is.
+    pub fn seen_part(&self, corners: [DVec3; 3]) -> Vec<DVec3> {
+        let mut part = corners.to_vec();
+        for n in &self.planes {
+            let off = |p: DVec3| n.dot(p.extend(1.0));
+            let whole = std::mem::take(&mut part);
+            for (i, &p) in whole.iter().enumerate() {
+                let q = whole[(i + 1) % whole.len()];
+                let (at_p, at_q) = (off(p), off(q));
+                if at_p >= 0.0 {
+                    part.push(p);
+                }
+                if (at_p < 0.0) != (at_q < 0.0) {
+                    part.push(p + at_p / (at_p - at_q) * (q - p));
+                }
+            }
+        }
+        part
     }
 
     /// Whether any part of the sphere may show.
@@ -165,5 +223,29 @@ mod tests {
         assert!(view.frustum().sees(Sphere { centre: view.target, radius_m: 0.0 }));
         let behind = view.eye - 10.0 * view.forward();
         assert!(!view.frustum().sees(Sphere { centre: behind, radius_m: 1.0 }));
+    }
+    #[test]
+    fn boxes_and_triangles_are_seen_where_points_of_them_are() {
+        let view = View {
+            eye: DVec3::ZERO,
+            target: DVec3::Y,
+            fov_y_rad: std::f64::consts::FRAC_PI_2,
+            viewport_px: [100, 100],
+        };
+        let frustum = view.frustum();
+        let at = |x: f64, y: f64, z: f64| DVec3::new(x, y, z);
+        let sight = |min, max| frustum.sight_of(&Aabb { min, max });
+        assert_eq!(sight(at(-1.0, 9.0, -1.0), at(1.0, 10.0, 1.0)), Sight::Inside);
+        assert_eq!(sight(at(5.0, 2.0, -1.0), at(6.0, 3.0, 1.0)), Sight::Outside);
+        assert_eq!(sight(at(-9.0, -9.0, -9.0), at(9.0, 9.0, -1.0)), Sight::Crosses);
+        assert!(frustum.sees_point(at(1.0, 2.0, 1.0)) && !frustum.sees_point(at(1.0, -2.0, 1.0)));
+        // a triangle across the view with all corners outside
+        let across = [at(-50.0, 5.0, 0.0), at(50.0, 5.0, 0.0), at(0.0, 5.0, 90.0)];
+        assert!(!frustum.misses(across) && !across.iter().any(|&p| frustum.sees_point(p)));
+        assert!(frustum.seen_part(across).len() >= 3);
+        assert!(frustum.seen_part(across).iter().all(|p| p.x.abs() <= 5.0 + 1e-9 && p.y == 5.0));
+        // outside no single plane, and yet not seen
+        let beside = [at(-3.0, 1.0, 0.0), at(0.0, -1.9, 0.0), at(-1.0, 0.5, 9.0)];
+        assert!(frustum.seen_part(beside).is_empty());
     }
 }

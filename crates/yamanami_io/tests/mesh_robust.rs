@@ -1,43 +1,17 @@
 //! Bad mesh files: one clear line each, no panic, and never much more memory than the file deserves.
 
+mod damage;
 mod mesh_samples;
 
+use damage::{Noise, largest_piece};
 use mesh_samples::{glb, samples};
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 use yamanami_io::mesh_file::{read_mesh_from_bytes, read_mesh_with_notes};
-
-/// The system's allocator, which remembers the largest piece that a thread asked for.
-struct Watched;
-
-thread_local! {
-    static LARGEST: Cell<usize> = const { Cell::new(0) };
-}
-
-// SAFETY: every call is passed on to the system's allocator as it came; what is remembered is a plain number.
-unsafe impl GlobalAlloc for Watched {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        let _ = LARGEST.try_with(|largest| largest.set(largest.get().max(layout.size())));
-        // SAFETY: the caller's promises are those that the system's allocator asks for.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: as above.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static WATCHED: Watched = Watched;
 
 /// Most bytes at once for files of a few kilobytes; zstd's own window is 8 MiB at most there.
 const MOST: usize = 32 << 20;
 
 fn read(name: &str, bytes: &[u8]) -> Result<(), String> {
-    LARGEST.with(|largest| largest.set(0));
-    let read = read_mesh_from_bytes(name, bytes).map(|_| ()).map_err(|e| e.to_string());
-    let largest = LARGEST.with(Cell::get);
+    let (read, largest) = largest_piece(|| read_mesh_from_bytes(name, bytes).map(|_| ()).map_err(|e| e.to_string()));
     assert!(largest < MOST, "{name}: {largest} bytes at once");
     if let Err(line) = &read {
         assert!(!line.contains('\n') && line.starts_with(name), "{line}");
@@ -52,66 +26,13 @@ fn every_sample_is_read() {
     }
 }
 
-/// A sequence of numbers that look like chance.
-struct Noise(u64);
-
-impl Noise {
-    fn below(&mut self, limit: usize) -> usize {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 >> 11) as usize % limit.max(1)
-    }
-}
-
-/// What numbers in files go wrong at.
-const WORDS: [&[u8]; 12] = [
-    b"-1",
-    b"0",
-    b"4294967295",
-    b"1099511627776",
-    b"nan",
-    b"1e999",
-    b"\0\0\0\0",
-    b"\xff\xff\xff\xff",
-    b"\xff\xff\xff\x7f",
-    b"\n",
-    b" ",
-    b"",
-];
-
 #[test]
 fn bytes_flipped_cut_and_spliced_never_panic() {
     let samples = samples();
     let mut noise = Noise(0x5eed_5eed_5eed_5eed);
     for case in 0..30_000 {
-        let (name, original) = &samples[case % samples.len()];
-        let mut bytes = original.clone();
-        for _ in 0..1 + noise.below(3) {
-            let length = bytes.len();
-            // headers are short and matter most
-            let at = if noise.below(2) == 0 { noise.below(length.min(1500)) } else { noise.below(length) };
-            match noise.below(6) {
-                0 if length > 0 => bytes[at] ^= 1 << noise.below(8),
-                1 if length > 0 => bytes[at] = noise.below(256) as u8,
-                2 => bytes.truncate(at),
-                3 => {
-                    let end = (at + noise.below(40)).min(length);
-                    bytes.drain(at..end);
-                }
-                4 => {
-                    let word = WORDS[noise.below(WORDS.len())];
-                    let end = (at + word.len() * noise.below(2)).min(length);
-                    bytes.splice(at..end, word.iter().copied());
-                }
-                _ => {
-                    let (_, other) = &samples[noise.below(samples.len())];
-                    let from = noise.below(other.len());
-                    let part = &other[from..(from + noise.below(200)).min(other.len())];
-                    bytes.splice(at..at, part.iter().copied());
-                }
-            }
-        }
+        let name = samples[case % samples.len()].0;
+        let bytes = noise.damaged(case % samples.len(), &samples);
         let _ = read(name, &bytes);
     }
 }

@@ -3,10 +3,10 @@
 use glam::DVec3;
 use proptest::prelude::*;
 use std::path::Path;
-use yamanami_core::{Aabb, BASE_CLUSTERS, ClusterNode, ClusterPage, ClusterVertex, Sphere};
+use yamanami_core::{Aabb, BASE_CLUSTERS, ClusterNode, ClusterPage, ClusterVertex, Crs, Snap, Sphere};
 use yamanami_io::IoError;
 use yamanami_io::store::{
-    ClusterCodec, ClusterMeta, ClusterStore, ClusterWriter, PageShape, Rounding, TerrainStore, put_in_order,
+    ClusterCodec, ClusterMeta, ClusterStore, ClusterWriter, PageShape, Rounding, TerrainStore, TinMeta, put_in_order,
 };
 
 /// A hierarchy as a builder would hand it over: a wavy square, and nodes that make a part of it finer.
@@ -81,6 +81,7 @@ impl Model {
             nodes: self.nodes.len() as u32,
             triangles: all().map(|p| p.triangles.len() as u64).sum(),
             vertices: all().map(|p| p.vertices.len() as u64).sum(),
+            tin: None,
         }
     }
 
@@ -394,5 +395,33 @@ proptest! {
         let codec = ClusterCodec::new(&model(1).meta());
         let shape = PageShape { group: 3, first_vertex: 9, vertices, triangles, replaced_triangles: 100 };
         let _ = codec.decode(shape, &bytes);
+    }
+}
+
+proptest! {
+    #[test]
+    fn coordinates_of_a_tin_come_back_bit_for_bit(
+        xs in proptest::collection::vec(prop_oneof![-1e-3f64..1e-3, -1.4e5f64..1.4e5, (-1_400_000i32..1_400_000).prop_map(|n| f64::from(n) / 1000.0)], 243),
+        per_unit in prop_oneof![Just(1.0), Just(100.0), Just(1000.0), Just(1024.0)],
+        feet in any::<bool>(),
+    ) {
+        let model = model(0);
+        let unit_m = if feet { 0.3048 } else { 1.0 };
+        let snap = Snap { unit_m, per_unit };
+        let tin = TinMeta { crs: Crs::default(), unit_m, snap };
+        let bounds = Aabb { min: DVec3::splat(-1.4e5), max: DVec3::splat(1.4e5) };
+        let codec = ClusterCodec::new(&ClusterMeta { tin: Some(tin), max_error_m: 0.0, bounds, ..model.meta() });
+        let mut page = model.base;
+        for (vertex, x) in page.vertices.iter_mut().zip(xs.chunks(3)) {
+            vertex.position_m = std::array::from_fn(|k| x[k]);
+        }
+        let bytes = codec.encode(&page, 0).unwrap();
+        let back = codec.decode(shape(&page, 0), &bytes).unwrap();
+        for (a, b) in back.vertices.iter().zip(&page.vertices) {
+            prop_assert_eq!(a.position_m.map(f64::to_bits), b.position_m.map(|x| (x + 0.0).to_bits()));
+        }
+        for cut in 0..bytes.len() {
+            let _ = codec.decode(shape(&page, 0), &bytes[..cut]);
+        }
     }
 }

@@ -123,7 +123,7 @@ pub fn clean(mesh: &mut TriangleMesh, options: &CleanOptions) -> CleanReport {
 }
 
 /// Keeps the triangles that are marked, with their materials.
-fn keep_faces(mesh: &mut TriangleMesh, keep: &[bool]) {
+pub(crate) fn keep_faces(mesh: &mut TriangleMesh, keep: &[bool]) {
     let mut kept = keep.iter();
     mesh.triangles.retain(|_| kept.next().is_some_and(|&k| k));
     let mut kept = keep.iter();
@@ -211,7 +211,7 @@ fn drop_isolated(mesh: &mut TriangleMesh) -> usize {
 }
 
 /// Keeps the vertices that are marked, which are all that faces use, and renumbers the faces.
-fn keep_vertices(mesh: &mut TriangleMesh, keep: &[bool]) {
+pub(crate) fn keep_vertices(mesh: &mut TriangleMesh, keep: &[bool]) {
     let mut number_of = Vec::with_capacity(keep.len());
     let mut number = 0u32;
     for &keep in keep {

@@ -102,6 +102,28 @@ pub enum MultiresError {
         /// Triangles given or asked for.
         triangles: usize,
     },
+    /// Points that span no triangle in plan.
+    #[error("no triangle can be made of {points} points: expected at least three places that are not on one line")]
+    NoNetwork {
+        /// Usable points, those of lines with them.
+        points: usize,
+    },
+    /// Blocks that are too many, or that make too many triangles or levels.
+    #[error("{count} {what}, at most {most} can be numbered")]
+    TooManyBlocks {
+        /// What was counted.
+        what: &'static str,
+        /// How many.
+        count: u64,
+        /// How many there may be.
+        most: u64,
+    },
+    /// Blocks without a size.
+    #[error("block borders must go up from one to the next: given {} m, then {} m", borders_m[0], borders_m[1])]
+    BadBlocks {
+        /// The borders that do not.
+        borders_m: [f64; 2],
+    },
 }
 
 fn group_name(group: u32) -> String {

@@ -1,4 +1,4 @@
-//! `build`: elevation files or a mesh to a surface database.
+//! `build`: elevation files, a TIN or a mesh to a surface database.
 
 use super::remesh::RemeshArgs;
 use super::{build_model, progressive};
@@ -10,10 +10,10 @@ use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
 use std::time::Instant;
-use yamanami::io::dem;
+use yamanami::io::{dem, points::is_points_name};
 use yamanami::{StoreOptions, Terrain};
 
-/// Make a surface database (.yama) from elevation files or a mesh
+/// Make a surface database (.yama) from elevation files, a TIN or a mesh
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -21,6 +21,7 @@ Examples:
   yamanami build N4?E001.hgt.zip -o pyrenees.yama    several files, one mosaic
   yamanami build lidar.tif -o lidar.yama --max-error 0.05
                                                      heights within 5 cm: a much smaller file
+  yamanami build ground.xml -o ground.yama           a TIN (LandXML, DXF, 2DM, CityGML, ...), bit for bit
   yamanami build scan.ply -o scan.yama               a model at every level of detail
   yamanami build scan.ply --progressive -o scan.yama
                                                      a small file of which any beginning is a coarser model
@@ -28,7 +29,7 @@ Examples:
 The database appears whole or not at all; an old one stays until then.")]
 pub(crate) struct BuildArgs {
     #[command(flatten)]
-    source: SourceArgs,
+    pub(super) source: SourceArgs,
     /// The database to write
     #[arg(short, long, value_name = "S.yama", help_heading = "Results")]
     pub(super) output: PathBuf,
@@ -39,6 +40,9 @@ pub(crate) struct BuildArgs {
     /// Of a mesh: remesh it where it has no levels, and write wavelet details, the most telling bits first
     #[arg(long, help_heading = "Results")]
     pub(super) progressive: bool,
+    /// Of a mesh that is terrain: a TIN, its vertices kept bit for bit and errors vertical
+    #[arg(long, conflicts_with_all = ["progressive", "max_error"], help_heading = "Results")]
+    pub(super) tin: bool,
     #[command(flatten)]
     pub(super) remesh: RemeshArgs,
     /// Print JSON
@@ -50,14 +54,20 @@ pub(crate) fn run(args: &BuildArgs) -> Result<(), Failure> {
     let sources = &args.source.sources;
     inputs::check_output(&args.output, &["yama"], sources)?;
     if sources.iter().any(|s| inputs::is_yama(s)) {
-        return Err(Failure::failed("a .yama is a database already: build takes elevation files or a mesh"));
+        return Err(Failure::failed("a .yama is a database already: build takes elevation files, a TIN or a mesh"));
     }
     match sources.as_slice() {
+        [tin] if inputs::is_tin(tin) || is_points_name(tin) || (args.tin && inputs::is_mesh(tin)) => {
+            return build_model::run_tin(args, tin);
+        }
         [mesh] if inputs::is_mesh(mesh) && args.progressive => return progressive::build(args, mesh),
         [mesh] if inputs::is_mesh(mesh) => return build_model::run(args, mesh),
+        _ if args.tin => {
+            return Err(Failure::misuse("--tin is for one mesh; of elevation files: yamanami tin --error M"));
+        }
         _ if args.progressive => return Err(Failure::misuse("--progressive is for one mesh")),
-        several if several.iter().any(|s| inputs::is_mesh(s)) => {
-            return Err(Failure::misuse("a mesh stands alone: give it as the only input"));
+        several if several.iter().any(|s| inputs::is_mesh(s) || inputs::is_tin(s)) => {
+            return Err(Failure::misuse("a mesh or TIN stands alone: give it as the only input"));
         }
         _ => {}
     }

@@ -1,4 +1,4 @@
-//! `build` of a mesh: a model at every level of detail.
+//! `build` of a mesh or a TIN: a model at every level of detail.
 
 use super::build::BuildArgs;
 use crate::failure::Failure;
@@ -8,7 +8,8 @@ use serde_json::json;
 use std::path::Path;
 use std::time::Instant;
 use yamanami::io::mesh_file;
-use yamanami::{ModelBuild, ModelStoreOptions};
+use yamanami::io::tin_file::TinReadOptions;
+use yamanami::{GroundOptions, ModelBuild, ModelStoreOptions, read_ground};
 
 pub(crate) fn run(args: &BuildArgs, file: &Path) -> Result<(), Failure> {
     let started = Instant::now();
@@ -16,17 +17,54 @@ pub(crate) fn run(args: &BuildArgs, file: &Path) -> Result<(), Failure> {
         let _bar = Bar::spinner("reading");
         mesh_file::read_mesh(file)?
     };
+    let title = title(file);
+    store(args, file, started, [mesh.triangles.len(), mesh.positions.len()], |progress| {
+        Ok(ModelBuild::of_mesh(&mesh, title, progress)?)
+    })
+}
+
+/// `build` of a TIN file, or of a mesh file that is terrain.
+pub(crate) fn run_tin(args: &BuildArgs, file: &Path) -> Result<(), Failure> {
+    if args.progressive || args.max_error.is_some() {
+        return Err(Failure::misuse(
+            "a TIN's vertices are kept bit for bit: --progressive and --max-error are for others",
+        ));
+    }
+    let started = Instant::now();
+    let read = {
+        let _bar = Bar::spinner("reading");
+        let epsg = args.source.reading.options().dem.crs.and_then(|crs| crs.epsg);
+        let tin = TinReadOptions { epsg, ..TinReadOptions::default() };
+        read_ground(&[file.to_owned()], &GroundOptions { tin, ..GroundOptions::default() })?
+    };
+    read.notes.iter().for_each(|line| note(&format!("note: {line}")));
+    let tin = read.tin;
+    let title = if tin.name.is_empty() { title(file) } else { tin.name.clone() };
+    store(args, file, started, [tin.mesh.triangles.len(), tin.mesh.positions.len()], |progress| {
+        Ok(ModelBuild::of_tin(&tin, title, progress)?)
+    })
+}
+
+fn title(file: &Path) -> String {
+    file.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned())
+}
+
+fn store(
+    args: &BuildArgs,
+    file: &Path,
+    started: Instant,
+    counts: [usize; 2],
+    build: impl FnOnce(&(dyn Fn(f32) + Sync)) -> Result<ModelBuild, Failure>,
+) -> Result<(), Failure> {
     let read_s = started.elapsed().as_secs_f64();
-    let (faces, vertices) = (mesh.triangles.len() as u64, mesh.positions.len() as u64);
-    let title = file.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+    let [faces, vertices] = counts.map(|n| n as u64);
     let building = Instant::now();
     let build = {
         let bar = Bar::shares("building");
-        ModelBuild::of_mesh(&mesh, title.clone(), &|share| bar.set_share(share))?
+        build(&|share| bar.set_share(share))?
     };
-    drop(mesh);
     let hierarchy_s = building.elapsed().as_secs_f64();
-    let options = ModelStoreOptions { max_error_m: args.max_error, source: title };
+    let options = ModelStoreOptions { max_error_m: args.max_error, source: title(file) };
     let stored = {
         let bar = Bar::shares("writing");
         build.store_as(&args.output, &options, &|share| bar.set_share(share))?
@@ -71,7 +109,12 @@ pub(crate) fn run(args: &BuildArgs, file: &Path) -> Result<(), Failure> {
             text::bytes(source_bytes)
         ),
     )?;
-    out::row("vertices", format_args!("kept within {} m", text::number(stored.max_error_m)))?;
+    let kept = if stored.max_error_m > 0.0 {
+        format!("kept within {} m", text::number(stored.max_error_m))
+    } else {
+        "kept bit for bit".to_owned()
+    };
+    out::row("vertices", kept)?;
     out::row(
         "time",
         format_args!(

@@ -12,8 +12,9 @@ use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use std::time::Instant;
-use yamanami::core::TriangleMesh;
-use yamanami::io::mesh_file::{MeshMeta, write_mesh};
+use yamanami::core::{Tin, TriangleMesh};
+use yamanami::io::mesh_file::{self, MeshMeta, write_mesh};
+use yamanami::io::tin_file;
 use yamanami::{Extracted, Frame, LimitedBy, Subject, Terrain, WaveletModel, to_frame};
 
 /// Extract a mesh: within a tolerance, for a view, or of so many triangles
@@ -33,7 +34,7 @@ says which one bound.")]
 pub(crate) struct ExtractArgs {
     #[command(flatten)]
     source: SourceArgs,
-    /// The mesh to write: .glb, .ply, .obj, .stl or .off
+    /// The mesh to write: .glb, .ply, .obj, .stl or .off; of a TIN or terrain also .xml (LandXML), .dxf, .2dm or .gpkg
     #[arg(short, long, value_name = "FILE", help_heading = "Results")]
     output: PathBuf,
     /// Read only so many bytes from the beginning of a progressive model
@@ -57,6 +58,9 @@ pub(crate) struct ExtractArgs {
     json: bool,
 }
 
+/// Endings of what can be written: meshes, and TINs.
+const ENDINGS: [&str; 10] = ["glb", "ply", "obj", "stl", "off", "xml", "landxml", "dxf", "2dm", "gpkg"];
+
 /// Names of frames.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum FrameName {
@@ -67,7 +71,7 @@ enum FrameName {
 }
 
 pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
-    inputs::check_output(&args.output, &["glb", "ply", "obj", "stl", "off"], &args.source.sources)?;
+    inputs::check_output(&args.output, &ENDINGS, &args.source.sources)?;
     if let Some(bytes) = args.bytes {
         let [path] = args.source.sources.as_slice() else {
             return Err(Failure::misuse("--bytes reads the beginning of one progressive model"));
@@ -166,7 +170,13 @@ fn from<S: Subject>(
     let unit = if viewed { "px" } else { "m" };
     {
         let _bar = Bar::spinner("writing");
-        write_mesh(&args.output, &mesh, &meta(subject, frame, error_left, unit))?;
+        if mesh_file::is_mesh_name(&args.output) {
+            write_mesh(&args.output, &mesh, &meta(subject, frame, error_left, unit))?;
+        } else {
+            let mut tin = Tin::of_mesh(subject.title(), mesh);
+            (tin.crs, tin.unit_m) = subject.crs_and_unit(frame == Frame::Source);
+            tin_file::write_tin(&args.output, &tin)?;
+        }
     }
     let bytes = inputs::file_bytes(&args.output)?;
     let limit = match limited_by {

@@ -2,7 +2,7 @@
 
 use super::info_text::{database_json, dem_json, print_database, print_dem};
 use super::render;
-use super::{info_mesh, info_model, progressive};
+use super::{info_mesh, info_model, info_tin, progressive};
 use crate::args::ReadingArgs;
 use crate::failure::Failure;
 use crate::pictures::{self, PICTURE_ENDINGS};
@@ -20,7 +20,7 @@ use yamanami::io::{
 };
 use yamanami::{Criteria, DrawWith, Subject, Terrain, ViewCriterion};
 
-/// Tell what a file is: elevation data, database or mesh
+/// Tell what a file is: elevation data, TIN, database or mesh
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -29,7 +29,7 @@ Examples:
   yamanami info dem.tif --picture dem.png      with a small map
   yamanami info dem.yama mesh.glb --json       one object, or an array of several")]
 pub(crate) struct InfoArgs {
-    /// Elevation files and tile folders (together one mosaic), .yama databases, mesh files
+    /// Elevation files and tile folders (together one mosaic), .yama databases, TIN and mesh files
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     /// Draw a small map of the elevation data
@@ -66,7 +66,7 @@ pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
         inputs::check_output(picture, &PICTURE_ENDINGS, &args.files)?;
     }
     let (apart, dems): (Vec<_>, Vec<_>) =
-        args.files.iter().cloned().partition(|f| inputs::is_yama(f) || mesh_file::is_mesh_name(f));
+        args.files.iter().cloned().partition(|f| inputs::is_yama(f) || mesh_file::is_mesh_name(f) || inputs::is_tin(f));
     let mut found = Vec::new();
     let mut map = None;
     if !dems.is_empty() {
@@ -93,6 +93,8 @@ pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
             if map.is_none() && args.picture.is_some() {
                 map = Some(inputs::open(std::slice::from_ref(path), &args.reading)?);
             }
+        } else if inputs::is_tin(path) {
+            found.push(info_tin::tell(path, args.json)?);
         } else {
             found.push(info_mesh::tell(path, args.json)?);
         }

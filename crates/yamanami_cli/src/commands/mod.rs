@@ -5,6 +5,7 @@ mod build_model;
 mod check;
 mod check_model;
 mod cleaning;
+mod coast;
 mod compare;
 mod demo;
 mod extract;
@@ -17,6 +18,7 @@ mod info;
 mod info_mesh;
 mod info_model;
 mod info_text;
+mod info_tin;
 mod profile;
 mod progressive;
 mod reduce;
@@ -26,6 +28,7 @@ mod remesh;
 mod render;
 mod render_model;
 mod reproduce;
+mod tin;
 mod view;
 mod volume;
 mod wavelet;
@@ -73,6 +76,7 @@ enum Command {
     Compare(compare::CompareArgs),
     Heights(heights::HeightsArgs),
     Profile(profile::ProfileArgs),
+    Tin(tin::TinArgs),
     Volume(volume::VolumeArgs),
     Generate(generate::GenerateArgs),
     Remesh(remesh::RemeshCommand),
@@ -94,6 +98,7 @@ impl Program {
             Command::Compare(args) => compare::run(args),
             Command::Heights(args) => heights::run(args),
             Command::Profile(args) => profile::run(args),
+            Command::Tin(args) => tin::run(args),
             Command::Volume(args) => volume::run(args),
             Command::Generate(args) => generate::run(args),
             Command::Remesh(args) => remesh::run(args),

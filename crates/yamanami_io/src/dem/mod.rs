@@ -16,7 +16,7 @@ mod geotiff;
 mod hgt;
 mod mosaic;
 mod part;
-mod prj;
+pub(crate) mod prj;
 mod sample_type;
 mod tiff_codec;
 mod tiff_tags;
@@ -27,6 +27,7 @@ mod write;
 pub use mosaic::DemFile;
 pub use sample_type::SampleType;
 pub use tile::TileEncoding;
+pub(crate) use tile_name::tile_from_path;
 pub use write::{write_asc, write_geotiff};
 
 use crate::IoError;

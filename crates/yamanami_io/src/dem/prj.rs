@@ -52,7 +52,7 @@ pub(super) fn from_wkt(text: &str) -> Option<Crs> {
 }
 
 /// The code of the outermost `AUTHORITY["EPSG","n"]` or `ID["EPSG",n]`, which closes the text.
-fn last_authority_code(text: &str) -> Option<u32> {
+pub(crate) fn last_authority_code(text: &str) -> Option<u32> {
     let at = text.rfind("\"EPSG\"")?;
     let (code, after) = text[at + 6..].trim_start_matches([',', ' ', '"']).split_once(['"', ']'])?;
     let is_outermost = after.chars().all(|c| matches!(c, ']' | '"' | ' ' | '\n' | '\r' | '\t'));

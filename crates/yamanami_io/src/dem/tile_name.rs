@@ -4,7 +4,7 @@ use std::path::Path;
 
 /// `[zoom, column, row]` from `…/z/x/y.ext`, or from a name with `z10_x906_y404`, or with exactly three numbers like
 /// `10_906_404`.
-pub(super) fn tile_from_path(path: &Path) -> Option<[u32; 3]> {
+pub(crate) fn tile_from_path(path: &Path) -> Option<[u32; 3]> {
     let stem = path.file_stem()?.to_string_lossy().into_owned();
     let lettered = || Some([after_letter(&stem, 'z')?, after_letter(&stem, 'x')?, after_letter(&stem, 'y')?]);
     let folders = || {

@@ -114,7 +114,7 @@ fn closed(part: &Path) -> IoError {
     IoError::io(part, std::io::Error::other("already closed"))
 }
 
-fn write_error(part: &Path, error: rusqlite::Error) -> IoError {
+pub(crate) fn write_error(part: &Path, error: rusqlite::Error) -> IoError {
     use rusqlite::ErrorCode;
     let kind = match error.sqlite_error_code() {
         Some(ErrorCode::DiskFull) => std::io::ErrorKind::StorageFull,

@@ -29,7 +29,10 @@ mod writer;
 
 pub(crate) use bits::{put_varint, take, take_varint};
 pub(crate) use cluster::connectivity;
-pub use cluster::{ClusterCodec, ClusterMeta, ClusterStore, ClusterWriter, PageShape, Rounding, put_in_order};
+pub use cluster::{
+    ClusterCodec, ClusterMeta, ClusterStore, ClusterWriter, PageShape, Rounding, TinAnnex, TinMeta, put_in_order,
+};
+pub(crate) use database::write_error;
 pub use meta::TerrainMeta;
 pub use page::{EncodedPage, PageCodec};
 pub use quantum::{Quantum, QuantumFinder};

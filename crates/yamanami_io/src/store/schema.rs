@@ -1,12 +1,12 @@
 //! The tables of a `.yama` file, and the facts of a surface as rows of one of them.
 
-use super::cluster::ClusterMeta;
+use super::cluster::{ClusterMeta, TinMeta};
 use super::meta::TerrainMeta;
 use super::quantum::Quantum;
 use glam::DVec3;
 use rusqlite::types::{Value, ValueRef};
 use rusqlite::{Connection, params};
-use yamanami_core::{Aabb, Crs, GeoReference, PageId};
+use yamanami_core::{Aabb, Crs, GeoReference, PageId, Snap};
 
 /// "YAMA": bytes 68 to 71 of the file.
 pub(super) const APPLICATION_ID: u32 = 0x5941_4D41;
@@ -17,17 +17,20 @@ pub(super) enum Content {
     Terrain = 1,
     /// A model of clusters.
     Clusters = 2,
+    /// A TIN of clusters.
+    Tin = 3,
 }
 
 impl Content {
     /// All that is known.
-    pub(super) const ALL: [Self; 2] = [Self::Terrain, Self::Clusters];
+    pub(super) const ALL: [Self; 3] = [Self::Terrain, Self::Clusters, Self::Tin];
 
     /// In words.
     pub(super) fn in_words(self) -> &'static str {
         match self {
             Self::Terrain => "a terrain",
             Self::Clusters => "a model",
+            Self::Tin => "a TIN",
         }
     }
 }
@@ -139,7 +142,7 @@ fn fact_writer(db: &Connection) -> rusqlite::Result<impl FnMut(&str, Value) -> r
 /// Writes the facts of a model.
 pub(super) fn write_cluster_meta(db: &Connection, meta: &ClusterMeta) -> rusqlite::Result<()> {
     let mut put = fact_writer(db)?;
-    put("kind", Value::Text("clusters".into()))?;
+    put("kind", Value::Text(if meta.tin.is_some() { "tin" } else { "clusters" }.into()))?;
     put("title", Value::Text(meta.title.clone()))?;
     put("source", Value::Text(meta.source.clone()))?;
     put("source_faces", count(meta.source_faces))?;
@@ -153,7 +156,15 @@ pub(super) fn write_cluster_meta(db: &Connection, meta: &ClusterMeta) -> rusqlit
     put("has_colours", Value::Integer(meta.has_colours.into()))?;
     put("nodes", count(meta.nodes.into()))?;
     put("triangles", count(meta.triangles))?;
-    put("vertices", count(meta.vertices))
+    put("vertices", count(meta.vertices))?;
+    if let Some(TinMeta { crs, unit_m, snap }) = &meta.tin {
+        put("crs_epsg", crs.epsg.map_or(Value::Null, |code| Value::Integer(code.into())))?;
+        put("crs_name", Value::Text(crs.name.clone()))?;
+        put("unit_m", Value::Real(*unit_m))?;
+        put("snap_unit_m", Value::Real(snap.unit_m))?;
+        put("snap_per_unit", Value::Real(snap.per_unit))?;
+    }
+    Ok(())
 }
 
 fn count(n: u64) -> Value {
@@ -215,9 +226,11 @@ impl Facts {
 
     /// A model; says what is missing or wrong.
     pub(super) fn clusters(&self) -> Result<ClusterMeta, String> {
-        if self.text("kind")? != "clusters" {
-            return Err(self.wrong("kind"));
-        }
+        let tin = match self.text("kind")?.as_str() {
+            "clusters" => None,
+            "tin" => Some(self.tin()?),
+            _ => return Err(self.wrong("kind")),
+        };
         let corner = |end: &str| -> Result<DVec3, String> {
             let at = |axis: &str| self.real(&format!("{axis}_{end}_m"));
             Ok(DVec3::new(at("x")?, at("y")?, at("z")?))
@@ -234,7 +247,22 @@ impl Facts {
             nodes: self.integer("nodes")?,
             triangles: self.integer("triangles")?,
             vertices: self.integer("vertices")?,
+            tin,
         })
+    }
+
+    fn tin(&self) -> Result<TinMeta, String> {
+        let epsg = self.epsg()?;
+        let crs = Crs { epsg, name: self.text("crs_name")?, ..Crs::default() };
+        let snap = Snap { unit_m: self.real("snap_unit_m")?, per_unit: self.real("snap_per_unit")? };
+        Ok(TinMeta { crs, unit_m: self.real("unit_m")?, snap })
+    }
+
+    fn epsg(&self) -> Result<Option<u32>, String> {
+        match self.0.get("crs_epsg") {
+            Some(Value::Null) => Ok(None),
+            _ => Ok(Some(self.integer("crs_epsg")?)),
+        }
     }
 
     /// A terrain, all but its bound radii; says what is missing or wrong.
@@ -242,12 +270,8 @@ impl Facts {
         if self.text("kind")? != "terrain" {
             return Err(self.wrong("kind"));
         }
-        let epsg = match self.0.get("crs_epsg") {
-            Some(Value::Null) => None,
-            _ => Some(self.integer("crs_epsg")?),
-        };
         let crs = Crs {
-            epsg,
+            epsg: self.epsg()?,
             geographic: self.flag("crs_geographic")?,
             web_mercator: self.flag("crs_web_mercator")?,
             name: self.text("crs_name")?,

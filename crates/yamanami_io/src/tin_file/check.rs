@@ -1,9 +1,10 @@
 //! What holds for every TIN that is read or written: finite positions, indices in range, triangles of three different
 //! corners, counter-clockwise from above, lines of two points or more.
 
+use super::upward::plan_area;
 use super::{Notes, ReadTin, TinReadOptions};
 use crate::{IoError, crs};
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use std::path::Path;
 use yamanami_core::{Crs, Tin};
 
@@ -109,18 +110,12 @@ fn drop_lost_vertices(tin: &mut Tin, notes: &mut Notes) {
 fn turn_up(positions: &[DVec3], triangles: &mut [[u32; 3]]) -> usize {
     let mut turned = 0;
     for t in triangles {
-        let [a, b, c] = t.map(|i| positions[i as usize].truncate());
-        if twice_area(a, b, c) < 0.0 {
+        if plan_area(t.map(|i| positions[i as usize])) < 0.0 {
             t.swap(1, 2);
             turned += 1;
         }
     }
     turned
-}
-
-/// Twice the area of a triangle in plan, positive when counter-clockwise.
-fn twice_area(a: DVec2, b: DVec2, c: DVec2) -> f64 {
-    (b - a).perp_dot(c - a)
 }
 
 /// Checks a TIN that is to be written.

@@ -2,24 +2,36 @@
 //!
 //! | format | read | written | coordinates | breaklines | hidden faces | CRS |
 //! |---|---|---|---|---|---|---|
-//! | LandXML 1.2, 2.0, J-LandXML (`.xml`, `.landxml`) | yes | yes, 1.2 | every digit | yes | yes | yes |
-//! | DXF (`.dxf`) | 3DFACE, polyface and polygon meshes, lines | 3DFACE | every digit | yes | layer | no |
-//! | CityGML 2 relief (`.gml`) | `TINRelief` | no | projected | | | yes |
-//! | SMS 2DM (`.2dm`) | triangles and quadrilaterals | yes | every digit | | | no |
+//! | LandXML 1.0 to 2.0, J-LandXML (`.xml`, `.landxml`) | yes | yes, 1.2 | every digit | yes | yes | yes |
+//! | DXF (`.dxf`) | 3DFACE, polyface and polygon meshes, MESH, lines | release 12, 3DFACE | every digit | yes | yes | no |
+//! | CityGML 2 and 3 relief (`.gml`) | `TINRelief`, `BreaklineRelief` | no | projected | yes | no | yes |
+//! | SMS 2DM (`.2dm`) | triangles and quadrilaterals | yes, in metres | every digit | all hard | no | no |
 //! | quantized-mesh (`.terrain`) | 1.0 | no | projected | | | yes |
-//! | GeoPackage (`.gpkg`) | no | yes | doubles | yes | | yes |
+//! | GeoPackage (`.gpkg`) | no | polygons and lines | doubles | yes | yes | yes |
 //! | PLY, OBJ, STL, OFF, glTF (see [`crate::mesh_file`]) | yes | yes | | | | |
 //!
-//! `.gz` and `.zst` around any of the text formats. What comes out is in metres, z up, counter-clockwise from above,
-//! whatever the axis order, unit and orientation of the file; every position is finite and every index in range.
-//! Longitudes and latitudes are projected, vertex by vertex, into the metric CRS of their place on the same datum.
+//! `.gz` and `.zst` around any of the text formats; XML in UTF-8, UTF-16, Shift_JIS, EUC-JP and others. What comes out is
+//! in metres, z up, counter-clockwise from above, whatever the axis order, unit and orientation of the file; every position
+//! is finite and every index in range. Longitudes and latitudes are projected, vertex by vertex, into the metric CRS of their
+//! place on the same datum.
 
 mod check;
+mod citygml;
+mod dxf;
+mod gpkg;
+mod landxml_read;
+mod landxml_surface;
+mod landxml_words;
 mod landxml_write;
+mod lines;
+mod metric;
 mod notes;
-#[expect(dead_code, reason = "used by the writers")]
 mod number;
-#[expect(dead_code, reason = "used by the readers")]
+mod quantized_mesh;
+mod sms_2dm;
+mod srs_name;
+mod text;
+mod upward;
 mod weld;
 mod xml;
 
@@ -59,6 +71,10 @@ pub struct ReadTin {
 enum Format {
     /// LandXML or CityGML: the root element says which.
     Xml,
+    Dxf,
+    Sms2dm,
+    QuantizedMesh,
+    GeoPackage,
     /// A mesh that is terrain.
     Mesh,
 }
@@ -69,11 +85,15 @@ impl Format {
         let extension = name.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         match extension.as_str() {
             "xml" | "landxml" | "gml" => Ok(Self::Xml),
+            "dxf" => Ok(Self::Dxf),
+            "2dm" => Ok(Self::Sms2dm),
+            "terrain" => Ok(Self::QuantizedMesh),
+            "gpkg" => Ok(Self::GeoPackage),
             _ if mesh_file::is_mesh_name(name) => Ok(Self::Mesh),
             _ => Err(IoError::unsupported(
                 name,
                 format!("'{extension}' is not a TIN format known here"),
-                "use .xml (LandXML), .gml, .ply, .obj, .stl, .off or .glb",
+                "use .xml (LandXML), .gml, .dxf, .2dm, .terrain, .gpkg, .ply, .obj, .stl, .off or .glb",
             )),
         }
     }
@@ -113,6 +133,12 @@ fn read(name: &Path, packed: impl BufRead, packed_bytes: u64, options: &TinReadO
     let content = packing.reader(packed, packed_bytes).map_err(|e| IoError::io(name, e))?;
     match Format::of(&inner)? {
         Format::Xml => xml::read(name, content, options),
+        Format::Dxf => dxf::read(name, content, options),
+        Format::Sms2dm => sms_2dm::read(name, content, options),
+        Format::QuantizedMesh => quantized_mesh::read(name, content, options),
+        Format::GeoPackage => {
+            Err(IoError::unsupported(name, "GeoPackages are only written", "read what it was made of"))
+        }
         Format::Mesh => Err(IoError::unsupported(name, "a mesh is not read as a stream", "read it whole")),
     }
 }
@@ -141,6 +167,10 @@ pub fn write_tin(path: impl AsRef<Path>, tin: &Tin) -> Result<(), IoError> {
     check::writable(path, tin)?;
     match format {
         Format::Xml => atomic::write(path, packing, |out| landxml_write::write(out, tin)),
+        Format::Dxf => atomic::write(path, packing, |out| dxf::write(out, tin)),
+        Format::Sms2dm => atomic::write(path, packing, |out| sms_2dm::write(out, tin)),
+        Format::QuantizedMesh => Err(IoError::unsupported(path, "quantized-mesh is only read", "write .xml or .dxf")),
+        Format::GeoPackage => gpkg::write(path, tin),
         Format::Mesh => {
             let crs = tin.crs.epsg.map_or(String::new(), |epsg| format!("EPSG:{epsg} {}", tin.crs.name));
             let meta = MeshMeta { title: tin.name.clone(), crs, note: String::new() };

@@ -1,5 +1,6 @@
 //! Building: rounds of grouping and simplifying, from the source to a mesh of a few clusters.
 
+use super::ground::Ground;
 use super::group::group;
 use super::number::number;
 use super::patch::{Live, NEW, Outcome, Reduced, reduce};
@@ -12,7 +13,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::HashSet;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use yamanami_core::{Sphere, TriangleMesh};
+use yamanami_core::{Snap, Sphere, Tin, TriangleMesh};
 
 /// Rounds in which next to nothing goes before building gives up: groups change from round to round.
 const IDLE_ROUNDS: usize = 3;
@@ -57,13 +58,33 @@ pub struct BuildSummary {
 /// Builds the hierarchy of a mesh. Vertices at one place become one, with their colours averaged; texture coordinates and
 /// materials are left behind. The result depends on mesh and options only, never on the number of threads.
 pub fn build(mesh: &TriangleMesh, options: &ClusterOptions<'_>) -> Result<ClusterBuild, MultiresError> {
+    let (vertices, triangles) = weld(mesh)?;
+    build_welded(vertices, triangles, None, options)
+}
+
+/// Builds the hierarchy of a TIN, its hidden faces left out: errors are vertical, nothing turns over in plan, breaklines
+/// and borders stay lines that stray no further than the error says. Vertices that are made lie where `snap` says.
+///
+/// Expects a mesh without overlap in plan, as [`crate::tin`] makes and mends them.
+pub fn build_tin(tin: &Tin, snap: Option<Snap>, options: &ClusterOptions<'_>) -> Result<ClusterBuild, MultiresError> {
+    let (vertices, triangles) = weld(&tin.mesh)?;
+    let ground = Ground::new(tin, snap, &vertices, &triangles);
+    build_welded(vertices, triangles, Some(ground), options)
+}
+
+fn build_welded(
+    vertices: Vertices,
+    triangles: Vec<[u32; 3]>,
+    ground: Option<Ground>,
+    options: &ClusterOptions<'_>,
+) -> Result<ClusterBuild, MultiresError> {
     let cluster_triangles = options.cluster_triangles.clamp(16, 1 << 14);
     let group_triangles = cluster_triangles * options.group_clusters.clamp(2, 16);
-    let (vertices, triangles) = weld(mesh)?;
     let mut rounds = Rounds {
         cluster_triangles,
         group_triangles,
         vertices,
+        ground,
         records: Vec::new(),
         group_of: Vec::new(),
         summary: BuildSummary { source_triangles: triangles.len(), ..BuildSummary::default() },
@@ -93,6 +114,8 @@ struct Rounds<'a> {
     cluster_triangles: usize,
     group_triangles: usize,
     vertices: Vertices,
+    /// What is known of the ground, where it is one.
+    ground: Option<Ground>,
     records: Vec<Record>,
     /// For each vertex the group that has it in this round, [`SHARED`] where several do.
     group_of: Vec<u32>,
@@ -146,7 +169,7 @@ impl Rounds<'_> {
     fn reduce(&self, live: &[Live], members: &[u32], more_locked: &[u32]) -> Outcome {
         let members: Vec<&Live> = members.iter().map(|&m| &live[m as usize]).collect();
         let is_locked = |v: u32| self.group_of[v as usize] == SHARED || more_locked.binary_search(&v).is_ok();
-        let outcome = reduce(&members, &self.vertices, &is_locked, self.cluster_triangles);
+        let outcome = reduce(&members, &self.vertices, &is_locked, self.cluster_triangles, self.ground.as_ref());
         if let Some(progress) = self.progress {
             let now = members.iter().map(|m| m.triangles.len()).sum::<usize>();
             let done = now + self.done.fetch_add(now, Ordering::Relaxed);
@@ -232,10 +255,18 @@ impl Rounds<'_> {
         let error_m = members.iter().map(|m| m.error_m).fold(0.0, f64::max) + reduced.distance_m;
         let group = self.records.len() as u32;
         let coarser = reduced.clusters.len();
-        for ((place, mut triangles), centre) in (0u16..).zip(reduced.clusters).zip(reduced.centres) {
-            for corner in triangles.as_flattened_mut().iter_mut().filter(|c| **c & NEW != 0) {
+        let renumber = |corner: &mut u32| {
+            if *corner & NEW != 0 {
                 *corner = first as u32 + (*corner & !NEW);
             }
+        };
+        if let Some(ground) = &mut self.ground {
+            let mut lines = reduced.lines;
+            lines.as_flattened_mut().iter_mut().for_each(renumber);
+            ground.add_lines(&lines);
+        }
+        for ((place, mut triangles), centre) in (0u16..).zip(reduced.clusters).zip(reduced.centres) {
+            triangles.as_flattened_mut().iter_mut().for_each(renumber);
             next.push(Live { triangles, centre, error_m, made_by: Some((group, place)), bound: Some(bound) });
         }
         let made = first as u32..end as u32;

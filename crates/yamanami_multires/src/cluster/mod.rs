@@ -1,4 +1,4 @@
-//! The multiresolution of scans: a hierarchy of clusters of triangles, and the surface that emits any of its fronts.
+//! The multiresolution of scans and TINs: a hierarchy of clusters of triangles, and the surface that emits any of its fronts.
 //!
 //! Based on: De Floriani, Puppo, Magillo, "A formal approach to multiresolution hypersurface modeling", 1997; Cignoni,
 //! Ganovelli, Gobbetti, Marton, Ponchio, Scopigno, "Adaptive TetraPuzzles", 2004; Karis, Stubbe, Wihlidal, "A Deep Dive
@@ -7,6 +7,7 @@
 
 mod attributes;
 mod build;
+mod ground;
 mod group;
 mod number;
 mod patch;
@@ -16,7 +17,7 @@ mod surface;
 mod table;
 mod weld;
 
-pub use build::{BuildSummary, build};
+pub use build::{BuildSummary, build, build_tin};
 pub use surface::ClusterSurface;
 
 use crate::MultiresError;

@@ -1,11 +1,12 @@
 //! One group simplified: its patch with about half the triangles and the same seams, cut into clusters again.
 
 use super::attributes::{Finer, Made};
+use super::ground::Ground;
 use super::group::Member;
 use super::split::{Item, edge_key, split};
 use super::weld::{Vertices, unit_normal};
 use crate::bound::{BoundOptions, distance_bound};
-use crate::collapse::{CollapseOptions, Collapsed, collapse};
+use crate::collapse::{CollapseOptions, collapse};
 use glam::DVec3;
 use yamanami_core::{Sphere, TriangleMesh};
 
@@ -58,6 +59,8 @@ pub(super) struct Reduced {
     pub(super) positions: Vec<DVec3>,
     /// Edges between two locked vertices that the finer patch does not have.
     pub(super) new_edges: Vec<u64>,
+    /// Edges of the coarser patch along breaklines, numbered as `clusters`.
+    pub(super) lines: Vec<[u32; 2]>,
 }
 
 /// What came of a group.
@@ -70,11 +73,23 @@ pub(super) struct Outcome {
 }
 
 /// A patch with numbers of its own.
-struct Patch {
-    mesh: TriangleMesh,
+pub(super) struct Patch {
+    pub(super) mesh: TriangleMesh,
     /// The number in the hierarchy of each vertex, ascending.
-    ids: Vec<u32>,
-    locked: Vec<bool>,
+    pub(super) ids: Vec<u32>,
+    pub(super) locked: Vec<bool>,
+}
+
+/// A patch with fewer triangles, and numbers of its own.
+#[derive(Debug, Default)]
+pub(super) struct Coarser {
+    pub(super) mesh: TriangleMesh,
+    /// For each vertex the finer patch's that it is, untouched, or `u32::MAX`.
+    pub(super) source: Vec<u32>,
+    /// Edges along breaklines.
+    pub(super) lines: Vec<[u32; 2]>,
+    /// What is known of the distance already, metres.
+    pub(super) stray_m: f64,
 }
 
 impl Patch {
@@ -126,19 +141,37 @@ fn locked_edges(triangles: &[[u32; 3]], locked: impl Fn(u32) -> Option<u32>) -> 
 }
 
 /// Simplifies the clusters of a group together. `is_locked` tells the vertices that must stay: those other groups have too.
+/// As a piece of ground where `ground` is given, as a scan else.
 pub(super) fn reduce(
     members: &[&Live],
     vertices: &Vertices,
     is_locked: &dyn Fn(u32) -> bool,
     cluster_triangles: usize,
+    ground: Option<&Ground>,
 ) -> Outcome {
     let patch = Patch::new(members, vertices, is_locked);
     let finer_edges = locked_edges(&patch.mesh.triangles, |v| patch.locked[v as usize].then(|| patch.ids[v as usize]));
     let target_faces = patch.mesh.triangles.len() / 2;
-    let options = CollapseOptions { target_faces, locked: Some(&patch.locked), ..CollapseOptions::default() };
-    let collapsed = collapse(&patch.mesh, &options);
-    let reduced = keep(&patch, collapsed, &finer_edges, vertices, cluster_triangles);
+    let coarser = match ground {
+        Some(ground) => ground.reduce(&patch, target_faces),
+        None => {
+            let options = CollapseOptions { target_faces, locked: Some(&patch.locked), ..CollapseOptions::default() };
+            let collapsed = collapse(&patch.mesh, &options);
+            Coarser { mesh: collapsed.mesh, source: collapsed.source_vertex, ..Coarser::default() }
+        }
+    };
+    let reduced = keep(&patch, coarser, &finer_edges, vertices, cluster_triangles, ground);
     Outcome { locked_edges: finer_edges.into_iter().map(|(edge, _)| edge).collect(), reduced }
+}
+
+/// Bound on the distance between the finer and the coarser patch, metres: two-sided, or vertical and along lines on ground.
+fn distance_m(patch: &Patch, coarser: &Coarser, ground: Option<&Ground>) -> f64 {
+    if let Some(ground) = ground {
+        return ground.distance_m(patch, coarser);
+    }
+    let most_steps = Some(BOUND_STEPS * patch.mesh.triangles.len() as u64);
+    let bounding = BoundOptions { relative_gap: GAP, at_most_m: 0.0, most_steps };
+    distance_bound(&patch.mesh, &coarser.mesh, &bounding).upper_m()
 }
 
 /// Whether the coarser patch has every seam of the finer one, once and the same way round, and no locked vertex is lost.
@@ -150,12 +183,13 @@ fn keeps_seams(patch: &Patch, finer: &[(u64, i32)], coarser: &[(u64, i32)], is_u
 
 fn keep(
     patch: &Patch,
-    collapsed: Collapsed,
+    coarser: Coarser,
     finer_edges: &[(u64, i32)],
     vertices: &Vertices,
     cluster_triangles: usize,
+    ground: Option<&Ground>,
 ) -> Option<Reduced> {
-    let (mesh, sources) = (collapsed.mesh, collapsed.source_vertex);
+    let (mesh, sources) = (&coarser.mesh, &coarser.source);
     if mesh.triangles.is_empty() || mesh.triangles.len() as f64 > MOST_LEFT * patch.mesh.triangles.len() as f64 {
         return None;
     }
@@ -175,11 +209,9 @@ fn keep(
     }
     let is_new = |edge: &u64| finer_edges.binary_search_by_key(edge, |e| e.0).is_err();
     let new_edges = coarser_edges.iter().map(|e| e.0).filter(is_new).collect();
-    let most_steps = Some(BOUND_STEPS * patch.mesh.triangles.len() as u64);
-    let bounding = BoundOptions { relative_gap: GAP, at_most_m: 0.0, most_steps };
-    let distance_m = distance_bound(&patch.mesh, &mesh, &bounding).upper_m();
+    let distance_m = distance_m(patch, &coarser, ground);
 
-    let (made, number) = number_vertices(patch, &mesh, &sources, vertices);
+    let (made, number) = number_vertices(patch, mesh, sources, vertices);
     let origin = mesh.positions[mesh.triangles[0][0] as usize];
     let mut items: Vec<Item> =
         (0..mesh.triangles.len()).map(|t| Item::new(t as u32, mesh.corners(t).map(|p| p - origin))).collect();
@@ -193,7 +225,8 @@ fn keep(
         let sum: DVec3 = part.iter().flat_map(corners).map(|v| mesh.positions[v as usize] - origin).sum();
         centres.push(origin + sum / (3 * len) as f64);
     }
-    Some(Reduced { clusters, centres, made, distance_m, positions: mesh.positions, new_edges })
+    let lines = coarser.lines.iter().map(|edge| edge.map(|v| number[v as usize])).collect();
+    Some(Reduced { clusters, centres, made, distance_m, positions: coarser.mesh.positions, new_edges, lines })
 }
 
 /// The vertices that the collapse made, in the order of their use, and each vertex's number.

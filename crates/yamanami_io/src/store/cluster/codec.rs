@@ -1,5 +1,6 @@
 //! One page of clusters to bytes and back.
 
+use super::exact::Exact;
 use super::ids;
 use super::meta::ClusterMeta;
 use super::triangles;
@@ -20,6 +21,8 @@ pub struct ClusterCodec {
     origin_m: [f64; 3],
     quantum_m: f64,
     has_colours: bool,
+    /// How a TIN's coordinates come back bit for bit.
+    exact: Option<Exact>,
 }
 
 /// What is known of a page before it is read.
@@ -46,18 +49,36 @@ impl ClusterCodec {
     /// The codec of a model's pages.
     pub fn new(meta: &ClusterMeta) -> Self {
         let origin_m = meta.bounds.min.to_array();
-        Self { origin_m, quantum_m: meta.quantum_m, has_colours: meta.has_colours }
+        let exact = meta.tin.as_ref().map(|tin| Exact::new(tin.snap, origin_m));
+        Self { origin_m, quantum_m: meta.quantum_m, has_colours: meta.has_colours, exact }
     }
 
     /// A vertex as whole numbers.
     pub(super) fn pack(&self, vertex: &ClusterVertex) -> Result<Packed, IoError> {
-        Packed::of(vertex, self.origin_m, self.quantum_m)
-            .ok_or_else(|| bad("a vertex near the model", format!("one at {:?}", vertex.position_m)))
+        let place = match &self.exact {
+            Some(exact) => exact.steps(vertex.position_m),
+            None => self.steps(vertex.position_m),
+        };
+        let place = place.ok_or_else(|| bad("a vertex near the model", format!("one at {:?}", vertex.position_m)))?;
+        Ok(Packed::of(vertex, place))
+    }
+
+    /// The quanta of a place; `None` when it is too far out or no number.
+    fn steps(&self, position_m: [f64; 3]) -> Option<[i32; 3]> {
+        let mut place = [0; 3];
+        for axis in 0..3 {
+            let steps = ((position_m[axis] - self.origin_m[axis]) / self.quantum_m).round();
+            if steps.is_nan() || steps.abs() >= f64::from(1 << 30) {
+                return None;
+            }
+            place[axis] = steps as i32;
+        }
+        Some(place)
     }
 
     /// The vertex of whole numbers.
     pub(super) fn unpack(&self, packed: &Packed) -> Result<ClusterVertex, IoError> {
-        let vertex = packed.vertex(self.origin_m, self.quantum_m);
+        let vertex = packed.vertex(self.position(packed.place).to_array());
         let mut vertex = vertex.ok_or_else(|| bad("a vertex near the model", format!("{:?}", packed.place)))?;
         if !self.has_colours {
             vertex.colour = [255; 3];
@@ -67,6 +88,9 @@ impl ClusterCodec {
 
     /// Where a place lies, metres.
     pub(super) fn position(&self, place: [i32; 3]) -> DVec3 {
+        if let Some(exact) = &self.exact {
+            return DVec3::from_array(exact.position(place));
+        }
         DVec3::from_array(self.origin_m) + DVec3::from_array(place.map(f64::from)) * self.quantum_m
     }
 
@@ -120,9 +144,14 @@ impl ClusterCodec {
         put_varint(&mut bytes, page.removed.len() as u64);
         put_varint(&mut bytes, triangle_bytes.len() as u64);
         put_varint(&mut bytes, plain.len() as u64);
+        let rests = self.exact.map(|exact| exact.rests(&page.vertices, &packed));
+        if let Some(rests) = &rests {
+            put_varint(&mut bytes, rests.len() as u64);
+        }
         bytes.extend(runs);
         bytes.extend(triangle_bytes);
         bytes.extend(plain);
+        bytes.extend(rests.unwrap_or_default());
         bytes.extend(encoder.finish());
         Ok(bytes)
     }
@@ -134,6 +163,10 @@ impl ClusterCodec {
         let lengths = [(); 4].map(|()| take_varint(&mut bytes));
         let [Some(others), Some(removed), Some(triangle_bytes), Some(plain)] = lengths else {
             return Err("the lengths break off");
+        };
+        let rests = match self.exact {
+            Some(_) => take_varint(&mut bytes).ok_or("the lengths break off")?,
+            None => 0,
         };
         // every triangle of a page brings at most three corners of others, every one replaced frees at most three
         if others > 3 * shape.triangles || removed > 3 * shape.replaced_triangles {
@@ -149,6 +182,7 @@ impl ClusterCodec {
         let mut part = |length: u64| usize::try_from(length).ok().and_then(|n| take(&mut bytes, n));
         let triangle_bytes = part(triangle_bytes).ok_or("the triangles break off")?;
         let plain = part(plain).ok_or("the vertices break off")?;
+        let rests = part(rests).ok_or("the vertices break off")?;
         let count = shape.triangles as usize;
         if count / MOST_TRIANGLES_A_BYTE > triangle_bytes.len() {
             return Err("the triangles break off");
@@ -170,16 +204,15 @@ impl ClusterCodec {
             sums(ranks).into_iter().map(|rank| sorted.get(rank as usize).copied()).collect();
         let other_ids = other_ids.ok_or("a vertex number is out of bounds")?;
         let packed = vertices::restore(own, &placings, &local, &is_flat, self.has_colours, rest);
-        let vertices: Option<Vec<_>> = packed.iter().map(|p| p.vertex(self.origin_m, self.quantum_m)).collect();
+        let vertices: Option<Vec<_>> = packed.iter().map(|p| p.vertex(self.position(p.place).to_array())).collect();
+        let mut vertices = vertices.ok_or("a vertex is out of bounds")?;
+        if let Some(exact) = &self.exact {
+            exact.add_rests(rests, &mut vertices).ok_or("the vertices are damaged")?;
+        }
         let id = |v: u32| {
             if v < shape.vertices { shape.first_vertex + v } else { other_ids[(v - shape.vertices) as usize] }
         };
-        Ok(ClusterPage {
-            group: shape.group,
-            vertices: vertices.ok_or("a vertex is out of bounds")?,
-            removed,
-            triangles: local.iter().map(|t| t.map(id)).collect(),
-        })
+        Ok(ClusterPage { group: shape.group, vertices, removed, triangles: local.iter().map(|t| t.map(id)).collect() })
     }
 }
 

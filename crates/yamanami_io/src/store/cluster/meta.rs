@@ -1,6 +1,6 @@
 //! What a model's database says of itself.
 
-use yamanami_core::Aabb;
+use yamanami_core::{Aabb, Crs, Snap};
 
 /// The facts of a model that are not in its nodes and pages.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,6 +27,19 @@ pub struct ClusterMeta {
     pub triangles: u64,
     /// Vertices of all pages, the base mesh's among them.
     pub vertices: u64,
+    /// What makes it a TIN; a scan if `None`.
+    pub tin: Option<TinMeta>,
+}
+
+/// The facts of a TIN. Its vertices are stored exactly.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TinMeta {
+    /// The CRS of x and y; z is up.
+    pub crs: Crs,
+    /// Metres in a unit of the source's coordinates.
+    pub unit_m: f64,
+    /// The lattice whose steps are stored; what lies between two is stored beside them.
+    pub snap: Snap,
 }
 
 /// An edge of the source is at least so many quanta long where nothing else is asked for: what is lost is far below what
@@ -67,6 +80,13 @@ impl ClusterMeta {
             return Err(format!("a box from {min} to {max}"));
         }
         let least_m = Self::least_quantum_m(&self.bounds);
+        if let Some(TinMeta { unit_m, snap, .. }) = &self.tin {
+            let is_sound = |x: f64| x.is_finite() && x > 0.0;
+            if ![*unit_m, snap.unit_m, snap.per_unit].into_iter().all(is_sound) || self.max_error_m != 0.0 {
+                return Err(format!("units of {unit_m} m, {} steps in {} m", snap.per_unit, snap.unit_m));
+            }
+            return Ok(());
+        }
         if !(self.quantum_m.is_finite() && self.quantum_m > 0.0 && self.quantum_m >= least_m * 0.999) {
             return Err(format!("a quantum of {} m", self.quantum_m));
         }

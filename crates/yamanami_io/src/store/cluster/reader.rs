@@ -1,11 +1,12 @@
 //! Reading a model's `.yama` file: nodes at once, pages on demand from any thread.
 
+use super::annex::TinAnnex;
 use super::codec::{ClusterCodec, PageShape};
 use super::meta::ClusterMeta;
 use super::nodes::{BLOCK_NODES, BaseShape, unpack, unpack_base};
-use super::writer::{BASE_ROW, row_of};
+use super::writer::{ANNEX_ROW, BASE_ROW, row_of};
 use crate::IoError;
-use crate::store::database::WholeFile;
+use crate::store::database::{WholeFile, content_of};
 use crate::store::schema::{CLUSTER_TABLES, Content, read_meta, row_crc32};
 use rusqlite::{OptionalExtension, params};
 use std::path::Path;
@@ -25,19 +26,27 @@ pub struct ClusterStore {
 }
 
 impl ClusterStore {
-    /// Whether a file, which must be a whole `.yama`, holds a model; else it holds a terrain.
+    /// Whether a file, which must be a whole `.yama`, holds a model or a TIN; else it holds a terrain.
     pub fn is_model(path: impl AsRef<Path>) -> Result<bool, IoError> {
-        Ok(crate::store::database::content_of(path.as_ref())? == Content::Clusters)
+        Ok(content_of(path.as_ref())? != Content::Terrain)
     }
 
     /// Opens a file, checks that it is whole and of a version that is understood, and reads its nodes.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, IoError> {
         let path = path.as_ref();
-        let file = WholeFile::open(path, Content::Clusters, &CLUSTER_TABLES, MAX_ROW_BYTES)?;
+        let content = match content_of(path)? {
+            Content::Tin => Content::Tin,
+            _ => Content::Clusters,
+        };
+        let file = WholeFile::open(path, content, &CLUSTER_TABLES, MAX_ROW_BYTES)?;
         let meta = file
             .with("database", read_meta)?
             .and_then(|facts| facts.clusters())
             .and_then(|meta| meta.check().map(|()| meta))
+            .and_then(|meta| match (content == Content::Tin) == meta.tin.is_some() {
+                true => Ok(meta),
+                false => Err("another kind than the file's head says".to_owned()),
+            })
             .map_err(|found| IoError::malformed(path, "table `meta`", "a model that can be", found))?;
         let damaged = |row: i64| {
             let place = if row == BASE_ROW { "base mesh".to_owned() } else { format!("nodes from {row} on") };
@@ -94,6 +103,16 @@ impl ClusterStore {
         self.codec.decode(shape, &bytes).map_err(damaged)
     }
 
+    /// What a TIN's file knew beside its visible triangles; nothing for a scan.
+    pub fn annex(&self) -> Result<TinAnnex, IoError> {
+        if self.meta.tin.is_none() {
+            return Ok(TinAnnex::default());
+        }
+        let damaged = |found: &'static str| IoError::malformed(self.path(), "annex", "a whole annex", found);
+        let bytes = self.file.page_bytes(ANNEX_ROW, MAX_ROW_BYTES as usize)?.map_err(damaged)?;
+        TinAnnex::from_bytes(&bytes).ok_or_else(|| damaged("a damaged one"))
+    }
+
     /// What the nodes say of a page.
     fn shape(&self, group: GroupId) -> Option<PageShape> {
         let sum = |lengths: &[u16]| lengths.iter().map(|&n| u64::from(n)).sum();
@@ -123,6 +142,7 @@ impl ClusterStore {
     pub fn verify(&self) -> Result<(), IoError> {
         self.file.check_structure()?;
         self.page(BASE_CLUSTERS)?;
+        self.annex()?;
         (0..self.meta.nodes).try_for_each(|node| self.page(node).map(|_| ()))
     }
 }

@@ -29,22 +29,13 @@ const PLACE: u8 = 17;
 pub(super) const RANK: u8 = 23;
 
 impl Packed {
-    /// Rounds a vertex; `None` when it is too far out or no number.
-    pub(super) fn of(vertex: &ClusterVertex, origin: [f64; 3], quantum_m: f64) -> Option<Self> {
-        let mut place = [0; 3];
-        for axis in 0..3 {
-            let steps = ((vertex.position_m[axis] - origin[axis]) / quantum_m).round();
-            if steps.is_nan() || steps.abs() >= f64::from(1 << 30) {
-                return None;
-            }
-            place[axis] = steps as i32;
-        }
-        Some(Self { place, normal: to_octahedron(vertex.normal.map(f64::from)), colour: vertex.colour.map(i32::from) })
+    /// A vertex at a place.
+    pub(super) fn of(vertex: &ClusterVertex, place: [i32; 3]) -> Self {
+        Self { place, normal: to_octahedron(vertex.normal.map(f64::from)), colour: vertex.colour.map(i32::from) }
     }
 
-    /// The vertex it stands for; `None` when it stands for none.
-    pub(super) fn vertex(&self, origin: [f64; 3], quantum_m: f64) -> Option<ClusterVertex> {
-        let position_m = std::array::from_fn(|axis| origin[axis] + f64::from(self.place[axis]) * quantum_m);
+    /// The vertex it stands for, its place being `position_m`; `None` when it stands for none.
+    pub(super) fn vertex(&self, position_m: [f64; 3]) -> Option<ClusterVertex> {
         let [r, g, b] = self.colour.map(u8::try_from);
         let within = self.place.iter().all(|p| p.abs() < 1 << 30)
             && self.normal.iter().all(|&n| (0..=OCT_STEPS as i32).contains(&n));

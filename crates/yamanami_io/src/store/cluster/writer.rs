@@ -1,5 +1,6 @@
 //! Writing a model's `.yama` file.
 
+use super::annex::TinAnnex;
 use super::codec::ClusterCodec;
 use super::meta::ClusterMeta;
 use super::nodes::{BLOCK_NODES, BaseShape, pack, pack_base};
@@ -15,6 +16,9 @@ const DB_PAGE_BYTES: u32 = 1024;
 /// Row number of the base mesh, before those of all nodes.
 pub(super) const BASE_ROW: i64 = -1;
 
+/// Row number of a TIN's annex.
+pub(super) const ANNEX_ROW: i64 = -2;
+
 /// Row number of a group's page.
 pub(super) fn row_of(group: GroupId) -> i64 {
     if group == BASE_CLUSTERS { BASE_ROW } else { group.into() }
@@ -27,6 +31,7 @@ pub struct ClusterWriter {
     codec: ClusterCodec,
     expected: u64,
     written: u64,
+    content: Content,
 }
 
 impl ClusterWriter {
@@ -62,7 +67,8 @@ impl ClusterWriter {
                 .iter()
                 .try_for_each(|(row, bytes)| insert.execute(params![row, row_crc32(*row, bytes), bytes]).map(|_| ()))
         })?;
-        Ok(Self { file, codec: ClusterCodec::new(&meta), expected: nodes.len() as u64 + 1, written: 0 })
+        let content = if meta.tin.is_some() { Content::Tin } else { Content::Clusters };
+        Ok(Self { file, codec: ClusterCodec::new(&meta), expected: nodes.len() as u64 + 1, written: 0, content })
     }
 
     /// Codes pages: copy it to as many threads as there are.
@@ -77,6 +83,12 @@ impl ClusterWriter {
         Ok(())
     }
 
+    /// Stores what a TIN's file knew beside its visible triangles.
+    pub fn insert_annex(&mut self, annex: &TinAnnex) -> Result<(), IoError> {
+        let bytes = annex.to_bytes().map_err(|e| IoError::io(self.file.target(), e))?;
+        self.file.insert_page(ANNEX_ROW, &bytes)
+    }
+
     /// Checks that every page is there, closes the file and puts it in its place.
     pub fn finish(self) -> Result<(), IoError> {
         if self.written != self.expected {
@@ -86,7 +98,7 @@ impl ClusterWriter {
                 given: self.written.to_string(),
             });
         }
-        self.file.finish(Content::Clusters, |_| Ok(()))
+        self.file.finish(self.content, |_| Ok(()))
     }
 }
 

@@ -1,0 +1,161 @@
+//! The drawing step timed and checked on a ground of some size: brute force, the paper's rule, the one that loses nothing.
+
+use super::engine::{EngineRow, engine};
+use super::ground::{THRESHOLDS_M, grid, paper_view};
+use super::pictures::{Pictures, full_picture};
+use crate::{Culling, DrawCounts, Error, TinDrawing, seen_triangles};
+use std::collections::{HashMap, HashSet};
+use std::time::Instant;
+use yamanami_core::TriangleMesh;
+use yamanami_measure::{FLIP_PIXELS_PER_DEGREE, flip, ssim};
+use yamanami_multires::tin_block::{CostReading, TinBlocks, centroid_chain};
+
+/// The three ways, with their names in tables.
+pub(super) const CULLINGS: [(Culling, &str); 3] = [
+    (Culling::BruteForce, "brute force"),
+    (Culling::Faithful, "the paper's rule"),
+    (Culling::Conservative, "conservative"),
+];
+
+/// Most and fewest runs whose median is told.
+const RUNS: [usize; 2] = [301, 11];
+/// Runs end after about so long.
+const RUNS_S: f64 = 2.0;
+
+/// What one way of drawing did.
+#[derive(Debug, Clone)]
+pub(super) struct DrawRow {
+    pub(super) name: &'static str,
+    pub(super) median_ms: f64,
+    pub(super) triangles: usize,
+    pub(super) counts: DrawCounts,
+    /// Triangles that are seen, at the levels that it chose, and were not drawn; and blocks of which all that is seen was
+    /// not.
+    pub(super) lost_triangles: usize,
+    pub(super) lost_blocks: usize,
+    /// Against the picture of the whole TIN.
+    pub(super) ssim: f64,
+    pub(super) flip: f64,
+}
+
+/// Open edges inside the ground.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Gaps {
+    /// With the seams.
+    pub(super) joined: usize,
+    /// Each block as it was cut.
+    pub(super) apart: usize,
+}
+
+/// What was found for one size of ground.
+#[derive(Debug)]
+pub(super) struct SizeFound {
+    /// Copies of the paper's ground each way.
+    pub(super) copies: usize,
+    pub(super) blocks: usize,
+    pub(super) chain_s: f64,
+    pub(super) blocks_s: f64,
+    /// Triangles after the cut and vertical error, by level.
+    pub(super) levels: Vec<(usize, f64)>,
+    pub(super) rows: Vec<DrawRow>,
+    pub(super) gaps: Gaps,
+    pub(super) engine: Option<EngineRow>,
+}
+
+/// Builds and draws a ground. Pictures of the paper's size are handed to `keep`.
+pub(super) fn measure(
+    tin: &TriangleMesh,
+    copies: usize,
+    progress: &dyn Fn(&str),
+    keep: &mut dyn FnMut(&TinBlocks, &TinDrawing, Culling, Pictures) -> Result<(), Error>,
+) -> Result<SizeFound, Error> {
+    let title = format!("{} triangles", tin.triangles.len());
+    progress(&format!("{title}: levels"));
+    let start = Instant::now();
+    let chain = centroid_chain(tin, THRESHOLDS_M.len() + 1, CostReading::Plain)?;
+    let chain_s = start.elapsed().as_secs_f64();
+    progress(&format!("{title}: blocks"));
+    let start = Instant::now();
+    let blocks = TinBlocks::new(&chain, grid(copies)?)?;
+    let blocks_s = start.elapsed().as_secs_f64();
+    drop(chain);
+    let view = paper_view();
+    let frustum = view.frustum();
+    progress(&format!("{title}: the picture of all"));
+    let full = full_picture(tin, &view)?;
+    let mut drawing = TinDrawing::new(THRESHOLDS_M.to_vec());
+    let mut rows = Vec::new();
+    for (culling, name) in CULLINGS {
+        progress(&format!("{title}: {name}"));
+        let mut counts = DrawCounts::default();
+        let median_ms = median_ms(|| counts = drawing.draw(&blocks, &view, culling));
+        let (mut lost_triangles, mut lost_blocks) = (0, 0);
+        for block in 0..blocks.grid().len() {
+            let drawn: HashSet<_> = drawing.triangles_of(block).iter().collect();
+            let seen = seen_triangles(&blocks, block, drawing.shown(), &frustum);
+            let lost = seen.iter().filter(|&triangle| !drawn.contains(triangle)).count();
+            lost_triangles += lost;
+            lost_blocks += usize::from(lost > 0 && lost == seen.len());
+        }
+        let picture = full.like(&blocks.compact(drawing.triangles()), &view)?;
+        rows.push(DrawRow {
+            name,
+            median_ms,
+            triangles: drawing.triangles().len(),
+            counts,
+            lost_triangles,
+            lost_blocks,
+            ssim: ssim(&full.picture, &picture)?,
+            flip: flip(&full.picture, &picture, FLIP_PIXELS_PER_DEGREE)?.mean,
+        });
+        keep(&blocks, &drawing, culling, Pictures { full: full.picture.clone(), drawn: picture })?;
+    }
+    let gaps = gaps(&blocks, drawing.shown());
+    let levels = (0..blocks.levels()).map(|l| (blocks.triangle_count(l), blocks.error_m(l))).collect();
+    let blocks = blocks.grid().len();
+    let engine = engine(tin, &view, &full, progress)?;
+    Ok(SizeFound { copies, blocks, chain_s, blocks_s, levels, rows, gaps, engine })
+}
+
+/// Median time of a job in milliseconds.
+pub(super) fn median_ms(mut job: impl FnMut()) -> f64 {
+    let begin = Instant::now();
+    let mut times_ms = Vec::new();
+    while times_ms.len() < RUNS[1] || (times_ms.len() < RUNS[0] && begin.elapsed().as_secs_f64() < RUNS_S) {
+        let start = Instant::now();
+        job();
+        times_ms.push(1e3 * start.elapsed().as_secs_f64());
+    }
+    times_ms.sort_by(f64::total_cmp);
+    times_ms[times_ms.len() / 2]
+}
+
+fn gaps(blocks: &TinBlocks, shown: &[u8]) -> Gaps {
+    let mut apart = Vec::new();
+    for (block, &level) in shown.iter().enumerate() {
+        apart.extend_from_slice(blocks.triangles(block, usize::from(level)));
+    }
+    let outer = open_edges(&blocks.mesh(&vec![0; shown.len()]));
+    Gaps {
+        joined: open_edges(&blocks.mesh(shown)).saturating_sub(outer),
+        apart: open_edges(&blocks.compact(&apart)).saturating_sub(outer),
+    }
+}
+
+/// Edges with a triangle on one side only, ends told apart by the bits of their places.
+fn open_edges(mesh: &TriangleMesh) -> usize {
+    let mut number = HashMap::new();
+    let numbers: Vec<u32> = mesh
+        .positions
+        .iter()
+        .enumerate()
+        .map(|(v, p)| *number.entry(p.to_array().map(f64::to_bits)).or_insert(v as u32))
+        .collect();
+    let mut edges: Vec<(u32, u32, bool)> = Vec::with_capacity(3 * mesh.triangles.len());
+    for triangle in &mesh.triangles {
+        let [a, b, c] = triangle.map(|v| numbers[v as usize]);
+        edges.extend([(a, b), (b, c), (c, a)].map(|(p, q)| (p.min(q), p.max(q), p < q)));
+    }
+    edges.sort_unstable();
+    edges.chunk_by(|p, q| (p.0, p.1) == (q.0, q.1)).filter(|same| same.len() == 1).count()
+}

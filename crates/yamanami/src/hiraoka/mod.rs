@@ -1,0 +1,96 @@
+//! hiraoka's experiment: a TIN in blocks and levels against brute force, what its rules lose, the engine, a hundredfold area.
+//!
+//! Based on: Hiraoka, Yamada, Urahama, "A fast drawing method of TINs for three-dimensional GIS" (三次元GISのためのTINの高速描画法),
+//! APA, 2005. The paper's TIN is not public: a made ground of its extent, heights and triangles stands in for it.
+
+mod decimation;
+mod drawing;
+mod engine;
+mod ground;
+mod page;
+mod pictures;
+mod poses;
+
+use crate::{Culling, Error};
+use decimation::LevelError;
+use drawing::SizeFound;
+use ground::{PAPER_TRIANGLES, THRESHOLDS_M, grid, mirrored, paper_tin, paper_view};
+use poses::Losses;
+use std::path::{Path, PathBuf};
+use yamanami_core::{HeightField, TriangleMesh};
+use yamanami_multires::tin::{GreedyOptions, greedy};
+use yamanami_multires::tin_block::{CostReading, TinBlocks, centroid_chain};
+
+/// Poses on the whole TIN, and on a small one, where many are affordable.
+const POSES: [usize; 2] = [2_000, 100_000];
+/// Triangles of the small one.
+const SMALL_TRIANGLES: usize = 2_000;
+
+/// What was found.
+#[derive(Debug)]
+pub(crate) struct Findings {
+    title: String,
+    /// Lowest, mean (over the samples) and highest, metres.
+    heights_m: [f64; 3],
+    decimation: Vec<LevelError>,
+    sizes: Vec<SizeFound>,
+    losses: Losses,
+    many_losses: Losses,
+}
+
+/// Runs the experiment and writes `index.html`, `hiraoka.md`, tables (CSV) and pictures into `out`; gives the page's path.
+/// `field` is the ground, 3,120 by 2,080 m; it is drawn again with so many copies each way in `copies`, the first being 1.
+/// `progress` hears what is being done.
+pub fn hiraoka(
+    field: &HeightField,
+    title: String,
+    copies: &[usize],
+    out: &Path,
+    progress: &dyn Fn(&str),
+) -> Result<PathBuf, Error> {
+    std::fs::create_dir_all(out).map_err(|source| Error::File { path: out.to_owned(), source })?;
+    progress("a TIN of the field");
+    let tin = paper_tin(field)?;
+    let heights = field.heights_m().iter().filter(|z| !z.is_nan()).map(|&z| f64::from(z));
+    let (sum, count) = heights.fold((0.0, 0usize), |(sum, count), z| (sum + z, count + 1));
+    let bounds = tin.bounds();
+    pictures::plan(&tin, &out.join("plan.png"))?;
+    let decimation = decimation::compare(&tin, progress)?;
+    let mut sizes = Vec::new();
+    for &copies in copies {
+        let ground = mirrored(&tin, copies);
+        let found = drawing::measure(&ground, copies, progress, &mut |blocks, drawing, culling, pictures| {
+            if copies == 1 {
+                let name = file_name(culling);
+                pictures.save(out, name)?;
+                pictures::levels(blocks, drawing, &paper_view(), &out.join(format!("levels_{name}.png")))?;
+            }
+            Ok(())
+        })?;
+        sizes.push(found);
+    }
+    progress("random poses");
+    let losses = poses::losses(&blocks_of(&tin)?, &THRESHOLDS_M, &paper_view(), POSES[0]);
+    let options = GreedyOptions { max_error_m: 0.0, most_triangles: Some(SMALL_TRIANGLES) };
+    let mut small = greedy(field, &options)?.tin.mesh;
+    let low = small.bounds().min;
+    small.positions.iter_mut().for_each(|p| *p -= low.truncate().extend(0.0));
+    let many_losses = poses::losses(&blocks_of(&small)?, &THRESHOLDS_M, &paper_view(), POSES[1]);
+    progress("writing the page");
+    let heights_m = [bounds.min.z, sum / count.max(1) as f64, bounds.max.z];
+    page::write(&Findings { title, heights_m, decimation, sizes, losses, many_losses }, out)
+}
+
+fn blocks_of(tin: &TriangleMesh) -> Result<TinBlocks, Error> {
+    let chain = centroid_chain(tin, THRESHOLDS_M.len() + 1, CostReading::Plain)?;
+    Ok(TinBlocks::new(&chain, grid(1)?)?)
+}
+
+/// For file names.
+fn file_name(culling: Culling) -> &'static str {
+    match culling {
+        Culling::BruteForce => "brute",
+        Culling::Faithful => "paper",
+        Culling::Conservative => "conservative",
+    }
+}
