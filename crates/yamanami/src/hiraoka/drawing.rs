@@ -1,6 +1,7 @@
 //! The drawing step timed and checked on a ground of some size: brute force, the paper's rule, the one that loses nothing.
 
-use super::engine::{EngineRow, engine};
+use super::DRAWN;
+use super::engine::{EngineFound, engine};
 use super::ground::{THRESHOLDS_M, grid, paper_view};
 use super::pictures::{Pictures, full_picture};
 use crate::{Culling, DrawCounts, Error, TinDrawing, seen_triangles};
@@ -8,7 +9,7 @@ use std::collections::{HashMap, HashSet};
 use std::time::Instant;
 use yamanami_core::TriangleMesh;
 use yamanami_measure::{FLIP_PIXELS_PER_DEGREE, flip, ssim};
-use yamanami_multires::tin_block::{CostReading, TinBlocks, centroid_chain};
+use yamanami_multires::tin_block::{TinBlocks, centroid_chain};
 
 /// The three ways, with their names in tables.
 pub(super) const CULLINGS: [(Culling, &str); 3] = [
@@ -59,7 +60,7 @@ pub(super) struct SizeFound {
     pub(super) levels: Vec<(usize, f64)>,
     pub(super) rows: Vec<DrawRow>,
     pub(super) gaps: Gaps,
-    pub(super) engine: Option<EngineRow>,
+    pub(super) engine: EngineFound,
 }
 
 /// Builds and draws a ground. Pictures of the paper's size are handed to `keep`.
@@ -72,7 +73,7 @@ pub(super) fn measure(
     let title = format!("{} triangles", tin.triangles.len());
     progress(&format!("{title}: levels"));
     let start = Instant::now();
-    let chain = centroid_chain(tin, THRESHOLDS_M.len() + 1, CostReading::Plain)?;
+    let chain = centroid_chain(tin, THRESHOLDS_M.len() + 1, DRAWN)?;
     let chain_s = start.elapsed().as_secs_f64();
     progress(&format!("{title}: blocks"));
     let start = Instant::now();
@@ -97,7 +98,8 @@ pub(super) fn measure(
             lost_triangles += lost;
             lost_blocks += usize::from(lost > 0 && lost == seen.len());
         }
-        let picture = full.like(&blocks.compact(drawing.triangles()), &view)?;
+        let mesh = blocks.compact(drawing.triangles());
+        let picture = full.like(&mesh, &view)?;
         rows.push(DrawRow {
             name,
             median_ms,
@@ -105,16 +107,18 @@ pub(super) fn measure(
             counts,
             lost_triangles,
             lost_blocks,
-            ssim: ssim(&full.picture, &picture)?,
-            flip: flip(&full.picture, &picture, FLIP_PIXELS_PER_DEGREE)?.mean,
+            ssim: ssim(full.picture(), &picture)?,
+            flip: flip(full.picture(), &picture, FLIP_PIXELS_PER_DEGREE)?.mean,
         });
-        keep(&blocks, &drawing, culling, Pictures { full: full.picture.clone(), drawn: picture })?;
+        keep(&blocks, &drawing, culling, full.beside(&mesh, picture, &view)?)?;
     }
     let gaps = gaps(&blocks, drawing.shown());
     let levels = (0..blocks.levels()).map(|l| (blocks.triangle_count(l), blocks.error_m(l))).collect();
-    let blocks = blocks.grid().len();
-    let engine = engine(tin, &view, &full, progress)?;
-    Ok(SizeFound { copies, blocks, chain_s, blocks_s, levels, rows, gaps, engine })
+    let count = blocks.grid().len();
+    drop(blocks);
+    progress(&format!("{title}: the engine"));
+    let engine = engine(tin, &view, &full, drawing.triangles().len())?;
+    Ok(SizeFound { copies, blocks: count, chain_s, blocks_s, levels, rows, gaps, engine })
 }
 
 /// Median time of a job in milliseconds.

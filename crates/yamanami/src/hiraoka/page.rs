@@ -3,9 +3,9 @@
 use super::decimation::{COLLAPSE, COMPARED, LevelError};
 use super::drawing::{CULLINGS, SizeFound};
 use super::poses::Losses;
-use super::{Findings, PAPER_TRIANGLES, file_name};
-use crate::Error;
+use super::{DRAWN, Findings, PAPER_TRIANGLES, file_name};
 use crate::page::{Page, count};
+use crate::{Culling, Error};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use yamanami_measure::plot::{Chart, Series, Style, lines};
@@ -151,7 +151,8 @@ fn drawing(size: &SizeFound, out: &Path, page: &mut Page) -> Result<(), Error> {
         })
         .collect();
     page.text(format!(
-        "The paper's levels after the cut, with their greatest vertical errors: {}. Made in {:.2} s, cut and joined in {:.2} s.",
+        "The paper's levels ({}) after the cut, with their greatest vertical errors: {}. Made in {:.2} s, cut and joined in {:.2} s.",
+        DRAWN.name(),
         levels.join("; "),
         size.chain_s,
         size.blocks_s
@@ -186,9 +187,9 @@ fn drawing(size: &SizeFound, out: &Path, page: &mut Page) -> Result<(), Error> {
             format!("{:.4}", row.flip),
         ]);
     }
-    if let Some(engine) = &size.engine {
+    for engine in &size.engine.rows {
         let mut row = vec![
-            engine.name.to_owned(),
+            engine.name.clone(),
             format!("{:.3}", engine.median_ms),
             format!("{:.1}", brute_ms / engine.median_ms),
             count(engine.triangles as u64),
@@ -210,11 +211,26 @@ fn drawing(size: &SizeFound, out: &Path, page: &mut Page) -> Result<(), Error> {
         size.gaps.joined,
         count(size.gaps.apart as u64)
     ));
+    let fronts: Vec<String> = size
+        .engine
+        .rows
+        .iter()
+        .map(|row| format!("{}: {:.1} ms, {:.2} px of error left", row.name, row.first_ms, row.error_px))
+        .collect();
+    page.text(format!(
+        "The engine's hierarchy took {:.2} s. Its time is that of an update when the eye goes a metre ahead, found and meshed by \
+         differences; its triangles are all that it holds, those out of view too. The first front, from the base mesh: {}.",
+        size.engine.build_s,
+        fronts.join("; ")
+    ));
     if size.copies == 1 {
         page.picture("view_full.png", "The whole TIN");
+        page.picture("triangles_full.png", "The whole TIN with its triangles");
         for (culling, name) in CULLINGS {
             let file = file_name(culling);
-            page.picture(format!("view_{file}.png"), format!("Drawn: {name}"));
+            if culling != Culling::BruteForce {
+                page.picture(format!("triangles_{file}.png"), format!("Drawn: {name}"));
+            }
             page.picture(
                 format!("difference_{file}.png"),
                 format!("Difference from the whole TIN, four times as strong: {name}"),
@@ -243,22 +259,22 @@ fn by_size(found: &Findings, out: &Path, page: &mut Page) -> Result<(), Error> {
             .collect(),
         style: Style::LineAndPoints,
     });
-    let engine = Series {
-        name: "yamanami".to_owned(),
+    let engine = [0, 1].map(|nth| Series {
+        name: found.sizes[0].engine.rows.get(nth).map_or_else(String::new, |row| row.name.clone()),
         points: found
             .sizes
             .iter()
-            .filter_map(|size| Some([size.levels.first()?.0 as f64, size.engine.as_ref()?.median_ms]))
+            .filter_map(|size| Some([size.levels.first()?.0 as f64, size.engine.rows.get(nth)?.median_ms]))
             .collect(),
-        style: Style::LineAndPoints,
-    };
+        style: Style::Dashed,
+    });
     lines(
         out.join("time_by_size.png"),
         &Chart {
             title: "Choosing what to draw, by the size of the TIN".to_owned(),
             x_label: "triangles of the TIN".to_owned(),
             y_label: "time (ms)".to_owned(),
-            series: series.chain([engine]).filter(|series| !series.points.is_empty()).collect(),
+            series: series.chain(engine).collect(),
             x_log: true,
             y_log: true,
             ..Chart::default()
@@ -272,8 +288,7 @@ fn by_size(found: &Findings, out: &Path, page: &mut Page) -> Result<(), Error> {
 fn poses(found: &Findings, out: &Path, page: &mut Page) -> Result<(), Error> {
     page.heading(2, "What the rules lose");
     page.text(
-        "Eyes anywhere over the ground at 100 m height, looking anywhere, from a little upwards to 27° down, with the same field of \
-         view. What is seen is found by clipping every triangle.",
+        "Eyes anywhere over the ground at 100 m height, looking level in any direction, with the same field of view. What is seen is found by clipping every triangle.",
     );
     let share = |part: usize, of: usize| format!("{:.2} %", 100.0 * part as f64 / of.max(1) as f64);
     let row = |name: &str, l: &Losses| {

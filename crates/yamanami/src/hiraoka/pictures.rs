@@ -22,15 +22,16 @@ const STRONGER: u32 = 4;
 /// The picture of the whole TIN, and how it was drawn.
 #[derive(Debug)]
 pub(super) struct FullPicture {
-    pub(super) picture: RgbaImage,
+    picture: RgbaImage,
+    with_triangles: RgbaImage,
     style: RenderOptions,
 }
 
-/// A picture of what was drawn, beside that of the whole.
+/// A picture of what was drawn, and with its triangles, beside those of the whole.
 #[derive(Debug)]
 pub(super) struct Pictures {
-    pub(super) full: RgbaImage,
-    pub(super) drawn: RgbaImage,
+    pub(super) full: [RgbaImage; 2],
+    pub(super) drawn: [RgbaImage; 2],
 }
 
 /// Draws a whole TIN.
@@ -40,18 +41,35 @@ pub(super) fn full_picture(tin: &TriangleMesh, view: &View) -> Result<FullPictur
         tint_range_m: Some([bounds.min.z, bounds.max.z]),
         haze: Haze::Distance(8_000.0),
         depth_planes_m: Some(DEPTH_M),
-        light: Light { strength: 2.5, ..Light::default() },
+        light: Light { strength: 4.0, ..Light::default() },
         ..RenderOptions::default()
     };
-    let picture = picture(tin, view, &style)?;
-    Ok(FullPicture { picture, style })
+    Ok(FullPicture { picture: picture(tin, view, &style)?, with_triangles: picture(tin, view, &wired(&style))?, style })
 }
 
 impl FullPicture {
+    pub(super) fn picture(&self) -> &RgbaImage {
+        &self.picture
+    }
+
+    pub(super) fn style(&self) -> &RenderOptions {
+        &self.style
+    }
+
     /// Draws another mesh the same way.
     pub(super) fn like(&self, mesh: &TriangleMesh, view: &View) -> Result<RgbaImage, Error> {
         picture(mesh, view, &self.style)
     }
+
+    /// What is kept of a picture.
+    pub(super) fn beside(&self, mesh: &TriangleMesh, drawn: RgbaImage, view: &View) -> Result<Pictures, Error> {
+        let with_triangles = picture(mesh, view, &wired(&self.style))?;
+        Ok(Pictures { full: [self.picture.clone(), self.with_triangles.clone()], drawn: [drawn, with_triangles] })
+    }
+}
+
+fn wired(style: &RenderOptions) -> RenderOptions {
+    RenderOptions { wireframe: Some(Wireframe { opacity: 0.4, ..Wireframe::default() }), ..style.clone() }
 }
 
 fn picture(mesh: &TriangleMesh, view: &View, style: &RenderOptions) -> Result<RgbaImage, Error> {
@@ -61,14 +79,17 @@ fn picture(mesh: &TriangleMesh, view: &View, style: &RenderOptions) -> Result<Rg
 impl Pictures {
     /// Saves both and their difference: white where they are equal.
     pub(super) fn save(&self, out: &Path, name: &str) -> Result<(), Error> {
-        let difference = RgbaImage::from_fn(self.full.width(), self.full.height(), |x, y| {
-            let (a, b) = (self.full.get_pixel(x, y).0, self.drawn.get_pixel(x, y).0);
+        let [full, drawn] = [&self.full[0], &self.drawn[0]];
+        let difference = RgbaImage::from_fn(full.width(), full.height(), |x, y| {
+            let (a, b) = (full.get_pixel(x, y).0, drawn.get_pixel(x, y).0);
             let most = (0..3).map(|k| u32::from(a[k].abs_diff(b[k]))).max().unwrap_or(0);
             let grey = 255 - (STRONGER * most).min(255) as u8;
             Rgba([grey, grey, grey, 255])
         });
-        save(&self.full, &out.join("view_full.png"))?;
-        save(&self.drawn, &out.join(format!("view_{name}.png")))?;
+        for (nth, kind) in ["view", "triangles"].into_iter().enumerate() {
+            save(&self.full[nth], &out.join(format!("{kind}_full.png")))?;
+            save(&self.drawn[nth], &out.join(format!("{kind}_{name}.png")))?;
+        }
         save(&difference, &out.join(format!("difference_{name}.png")))
     }
 }
@@ -78,7 +99,7 @@ pub(super) fn plan(tin: &TriangleMesh, path: &Path) -> Result<(), Error> {
     let style = RenderOptions {
         haze: Haze::None,
         background: Background::Plain([255; 3]),
-        light: Light { strength: 2.5, ..Light::default() },
+        light: Light { strength: 4.0, ..Light::default() },
         wireframe: Some(Wireframe { opacity: 0.25, ..Wireframe::default() }),
         ..RenderOptions::default()
     };
