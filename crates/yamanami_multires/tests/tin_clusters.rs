@@ -177,7 +177,7 @@ fn glued(tin: &Tin, tile_m: f64) -> ClusterSurface {
     }
     assert!(tiles.len() > 3);
     let is_shared = |p: DVec3| shared.contains(&p.to_array().map(f64::to_bits));
-    let built: Vec<_> = tiles
+    let mut built: Vec<_> = tiles
         .into_values()
         .map(|triangles| {
             let mesh = TriangleMesh::new(tin.mesh.positions.clone(), triangles);
@@ -185,7 +185,7 @@ fn glued(tin: &Tin, tile_m: f64) -> ClusterSurface {
             build_tile(&part, &is_shared, Some(SNAP), &options).unwrap()
         })
         .collect();
-    let tops: Vec<_> = built.iter().map(|tile| tile.top.clone()).collect();
+    let tops: Vec<_> = built.iter_mut().map(|tile| tile.take_top()).collect();
     let above = join_tiles(&tops, Some(SNAP), &options).unwrap();
     let mut whole = above.build;
     for (seam, mut tile) in above.seams.iter().zip(built) {

@@ -25,8 +25,17 @@ const TOP_SHARE: usize = 64;
 pub struct Tile {
     /// Its hierarchy; the base mesh is its top.
     pub build: ClusterBuild,
-    /// Its top.
-    pub top: TileTop,
+    top: TileTop,
+}
+
+impl Tile {
+    /// Parts with its top: the base mesh as it is now numbered.
+    pub fn take_top(&mut self) -> TileTop {
+        let page =
+            ClusterPage { group: BASE_CLUSTERS, vertices: Vec::new(), removed: Vec::new(), triangles: Vec::new() };
+        self.top.page = std::mem::replace(&mut self.build.base, page);
+        self.top.clone()
+    }
 }
 
 /// The coarse end of a tile's hierarchy.
