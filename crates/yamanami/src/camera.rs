@@ -7,19 +7,20 @@ use yamanami_core::{Perspective, Projection, View};
 /// Vertical field of view where none is given, radians (40°).
 pub(crate) const FOV_Y_RAD: f64 = 0.698_131_700_797_731_8;
 
-/// A view of the whole, as near as it fits the picture: of a terrain from the south-west and above, of a model as
+/// A view of the whole, as near as it fits the picture: of a terrain or TIN from the south-west and above, of a model as
 /// [`model_views`] has its first.
 pub fn overview(subject: &impl Subject, viewport_px: [u32; 2]) -> View {
     let bounds = subject.bounds();
-    if subject.as_terrain().is_none() {
+    if !subject.is_ground() {
         return model_views(&bounds.corners(), 1, viewport_px)[0];
     }
-    let [east_m, north_m] = (bounds.max - bounds.min).truncate().to_array();
+    let (min, max) = (bounds.min, bounds.max);
+    let [east_m, north_m] = (max - min).truncate().to_array();
     let [low, high] = [bounds.min.z, bounds.max.z];
     let centre = bounds.centre();
     // the border's corners low and half high, and a summit in the middle
     let mut points = vec![DVec3::new(centre.x, centre.y, high)];
-    for (x, y) in [(0.0, 0.0), (east_m, 0.0), (0.0, -north_m), (east_m, -north_m)] {
+    for (x, y) in [(min.x, min.y), (max.x, min.y), (min.x, max.y), (max.x, max.y)] {
         points.extend([low, 0.5 * (low + high)].map(|z| DVec3::new(x, y, z)));
     }
     let direction = DVec3::new(-0.45, -0.95, 0.62).normalize();

@@ -2,12 +2,15 @@
 //!
 //! Heights, sections, volumes and water levels are those of the whole surface, never of a front of it.
 
-use crate::{Criteria, Error, Model, OpenOptions, Terrain, WaveletModel, extract};
+use crate::{
+    Criteria, Error, GroundOptions, Model, OpenOptions, Terrain, WaveletModel, extract, is_tin_file, read_ground,
+};
 use glam::{DVec2, DVec3};
 use std::path::{Path, PathBuf};
 use yamanami_core::{Crs, GeoReference, TriangleMesh};
+use yamanami_io::points::is_points_name;
 use yamanami_io::store::ClusterStore;
-use yamanami_io::tin_file::{self, TinReadOptions};
+use yamanami_io::tin_file::TinReadOptions;
 use yamanami_io::{dem, mesh_file, progressive};
 
 /// A terrain with all its triangles.
@@ -24,25 +27,35 @@ pub struct FullSurface {
 }
 
 impl FullSurface {
-    /// Reads the whole of one surface: a TIN or mesh file, any `.yama`, or elevation files that make one mosaic, each of
-    /// whose cells gives two triangles. `tin` tells which surface of a TIN file; `progress` hears of the share done.
+    /// Reads the whole of one surface: a TIN or mesh file, files of points, any `.yama`, or elevation files that make one
+    /// mosaic, each of whose cells gives two triangles. `tin` tells which surface of a TIN file; `progress` hears of the
+    /// share done.
     pub fn open(
         paths: &[PathBuf],
         options: &OpenOptions,
         tin: &TinReadOptions,
-        progress: &dyn Fn(f32),
+        progress: &(dyn Fn(f32) + Sync),
     ) -> Result<Self, Error> {
-        if let [path] = paths {
-            if is_model(path)? && !mesh_file::is_mesh_name(path) {
-                return Ok(Self::plain(finest_mesh(path)?));
-            }
-            // elevation grids come as .xml and .gml, too
-            if tin_file::is_tin_name(path) && (is_mesh(path) || dem::open(paths, &options.dem).is_err()) {
-                let tin =
-                    TinReadOptions { epsg: options.dem.crs.as_ref().and_then(|c| c.epsg).or(tin.epsg), ..tin.clone() };
-                let read = tin_file::read_tin(path, &tin)?;
-                return Ok(Self { crs: read.tin.crs, notes: read.notes, ..Self::plain(read.tin.mesh) });
-            }
+        if let [path] = paths
+            && is_yama(path)
+            && ClusterStore::is_model(path)?
+        {
+            let mut model = Model::open(path, progress)?;
+            let crs = model.tin().map_or_else(Crs::default, |meta| meta.crs.clone());
+            return Ok(Self { crs, ..Self::plain(extract(&mut model, &Criteria::default())?.mesh) });
+        }
+        if let [path] = paths
+            && (is_mesh(path) || is_progressive(path)?)
+        {
+            return Ok(Self::plain(finest_mesh(path)?));
+        }
+        // tables of numbers may be elevation tiles, too
+        let is_no_grid = || dem::open(paths, &options.dem).is_err();
+        if paths.iter().all(|p| is_tin_file(p)) || (paths.iter().all(is_points_name) && is_no_grid()) {
+            let epsg = options.dem.crs.as_ref().and_then(|crs| crs.epsg);
+            let tin = TinReadOptions { epsg: epsg.or(tin.epsg), ..tin.clone() };
+            let read = read_ground(paths, &GroundOptions { tin, ..GroundOptions::default() })?;
+            return Ok(Self { crs: read.tin.crs, notes: read.notes, ..Self::plain(read.tin.mesh) });
         }
         let mut terrain = Terrain::open(paths, options, progress)?;
         let mesh = extract(&mut terrain, &Criteria::default())?.mesh;
@@ -88,11 +101,6 @@ impl FullSurface {
     }
 }
 
-/// Whether a file is a mesh, or a database or progressive file of a model.
-fn is_model(path: &Path) -> Result<bool, Error> {
-    Ok(is_mesh(path) || (is_yama(path) && (progressive::is_progressive(path)? || ClusterStore::is_model(path)?)))
-}
-
 fn is_mesh(path: &Path) -> bool {
     mesh_file::is_mesh_name(path)
 }
@@ -101,12 +109,16 @@ fn is_yama(path: &Path) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case("yama"))
 }
 
+fn is_progressive(path: &Path) -> Result<bool, Error> {
+    Ok(is_yama(path) && progressive::is_progressive(path)?)
+}
+
 /// The mesh of a mesh file as it is, or the finest one of a model's database or progressive file.
 pub fn finest_mesh(path: &Path) -> Result<TriangleMesh, Error> {
     if is_mesh(path) {
         return Ok(mesh_file::read_mesh(path)?);
     }
-    if progressive::is_progressive(path)? {
+    if is_progressive(path)? {
         return Ok(WaveletModel::open(path, u64::MAX)?.finest());
     }
     Ok(extract(&mut Model::open(path, &|_| ())?, &Criteria::default())?.mesh)

@@ -288,11 +288,20 @@ impl Subject for Model {
     }
 
     fn usual_style(&self) -> RenderOptions {
+        let style = if self.is_ground() && !self.facts.has_colours {
+            RenderOptions::default()
+        } else {
+            coloured_style(self.facts.has_colours)
+        };
         RenderOptions {
             tint_range_m: Some([self.facts.bounds.min.z, self.facts.bounds.max.z]),
             deepest_level: self.facts.deepest_level,
-            ..coloured_style(self.facts.has_colours)
+            ..style
         }
+    }
+
+    fn is_ground(&self) -> bool {
+        self.facts.tin.is_some()
     }
 
     fn is_paged(&self) -> bool {

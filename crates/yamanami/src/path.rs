@@ -28,15 +28,15 @@ struct RecordedFrame {
     target: [f64; 3],
 }
 
-/// A full turn around the middle of a terrain, or around a model as near as it fits the picture from all sides.
+/// A full turn around the middle of a terrain or TIN, or around a model as near as it fits the picture from all sides.
 pub fn orbit(subject: &impl Subject, frames: usize, viewport_px: [u32; 2]) -> CameraPath {
     let bounds = subject.bounds();
-    if subject.as_terrain().is_none() {
+    if !subject.is_ground() {
         return around(bounds, frames, viewport_px);
     }
     let [east_m, north_m] = (bounds.max - bounds.min).truncate().to_array();
     let [low, high] = [bounds.min.z, bounds.max.z];
-    let centre = DVec3::new(0.5 * east_m, -0.5 * north_m, low + 0.3 * (high - low));
+    let centre = bounds.centre().with_z(low + 0.3 * (high - low));
     let radius_m = 0.62 * east_m.max(north_m);
     let views = (0..frames)
         .map(|i| {

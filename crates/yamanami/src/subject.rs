@@ -47,6 +47,11 @@ pub trait Subject {
         place
     }
 
+    /// Whether it is a surface over the plan, a terrain or a TIN, and shown as one.
+    fn is_ground(&self) -> bool {
+        self.as_terrain().is_some()
+    }
+
     /// The CRS of the source's coordinates, and metres in their unit; unknown and 1 in the local frame of a terrain.
     fn crs_and_unit(&self, in_source: bool) -> (Crs, f64) {
         let crs = self.as_terrain().filter(|_| in_source).map_or_else(Crs::default, |t| t.geo().crs.clone());

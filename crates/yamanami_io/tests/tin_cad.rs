@@ -255,6 +255,8 @@ fn a_geopackage_has_what_its_standard_asks() {
     assert_eq!((number("PRAGMA application_id"), number("PRAGMA user_version")), (0x4750_4B47, 10_400));
     assert_eq!(text("PRAGMA integrity_check"), "ok");
     assert_eq!(number("SELECT count(*) FROM pragma_foreign_key_check"), 0);
+    let definition = text("SELECT definition FROM gpkg_spatial_ref_sys WHERE srs_id = 32645");
+    assert!(definition.starts_with("PROJCS[\"WGS 84 / UTM zone 45N\""), "{definition}");
     assert_eq!(number("SELECT count(*) FROM triangles"), 32);
     assert_eq!(number("SELECT count(*) FROM triangles WHERE hidden AND slope_deg BETWEEN 0 AND 90"), 1);
     assert_eq!(number("SELECT count(*) FROM rtree_triangles_geom"), 32);

@@ -67,7 +67,7 @@ impl<S: Subject> Viewer<S> {
         context.egui_ctx.set_theme(egui::Theme::Dark);
         let home = options.view.unwrap_or_else(|| yamanami::overview(&subject, options.size));
         let mut settings = Settings::new(&options);
-        if subject.as_terrain().is_none() && options.colour.is_none() {
+        if !subject.is_ground() && options.colour.is_none() {
             settings.colour = Colour::Own;
         }
         if options.water_m.is_none() {

@@ -120,7 +120,7 @@ impl<S: Subject> Stage<S> {
 
     /// What may colour the surface, in the order of the panel; an image only where there is one.
     pub(super) fn colours(&self) -> [Colour; 6] {
-        if self.subject.as_terrain().is_some() { Colour::OF_TERRAIN } else { Colour::OF_MODEL }
+        if self.subject.is_ground() { Colour::OF_TERRAIN } else { Colour::OF_MODEL }
     }
 
     /// Whether an image lies over the terrain.

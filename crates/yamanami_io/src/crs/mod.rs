@@ -6,9 +6,11 @@
 mod metric;
 mod table;
 mod transverse_mercator;
+mod well_known;
 
 pub use metric::metric_crs_at;
 use table::Projection;
+pub use well_known::well_known_text;
 use yamanami_core::Crs;
 
 /// Sphere radius of Web Mercator, metres.

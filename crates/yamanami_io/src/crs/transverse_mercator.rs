@@ -6,8 +6,8 @@
 /// Size and shape of an ellipsoid.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ellipsoid {
-    semi_major_m: f64,
-    inverse_flattening: f64,
+    pub(super) semi_major_m: f64,
+    pub(super) inverse_flattening: f64,
 }
 
 pub(super) const GRS80: Ellipsoid = Ellipsoid { semi_major_m: 6_378_137.0, inverse_flattening: 298.257_222_101 };
@@ -17,9 +17,21 @@ pub(super) const BESSEL: Ellipsoid = Ellipsoid { semi_major_m: 6_377_397.155, in
 pub(super) const CLARKE_1866: Ellipsoid =
     Ellipsoid { semi_major_m: 6_378_206.4, inverse_flattening: 294.978_698_213_898 };
 
+/// What defines a zone.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Given {
+    pub(super) ellipsoid: Ellipsoid,
+    /// Latitude and longitude of the natural origin.
+    pub(super) origin_deg: [f64; 2],
+    pub(super) scale: f64,
+    /// Easting and northing of the natural origin.
+    pub(super) false_origin_m: [f64; 2],
+}
+
 /// One zone.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TransverseMercator {
+    pub(super) given: Given,
     eccentricity: f64,
     central_meridian_deg: f64,
     /// Scale times rectifying radius.
@@ -61,6 +73,7 @@ impl TransverseMercator {
             n6 * 20_648_693.0 / 638_668_800.0,
         ];
         let mut zone = Self {
+            given: Given { ellipsoid, origin_deg: origin, scale, false_origin_m },
             eccentricity: (f * (2.0 - f)).sqrt(),
             central_meridian_deg: origin[1],
             radius_m: scale * rectifying_m,

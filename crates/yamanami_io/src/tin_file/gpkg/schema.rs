@@ -2,6 +2,7 @@
 //!
 //! Based on: Open Geospatial Consortium, "OGC GeoPackage encoding standard", 1.4, 2024, annexes C and F.3.
 
+use crate::crs::well_known_text;
 use rusqlite::{Connection, params};
 use yamanami_core::{Aabb, Crs};
 
@@ -84,8 +85,9 @@ pub(super) fn begin(db: &Connection, crs: &Crs) -> rusqlite::Result<i32> {
     let Some(srs_id) = crs.epsg.and_then(|epsg| i32::try_from(epsg).ok()).filter(|&id| id > 0) else {
         return Ok(UNDEFINED_CARTESIAN);
     };
-    // readers know a code better than any definition of it
-    insert.execute(params![crs.name, srs_id, "EPSG", srs_id, "undefined", "by its EPSG code"])?;
+    // most readers go by the code
+    let definition = well_known_text(crs).unwrap_or("undefined".into());
+    insert.execute(params![crs.name, srs_id, "EPSG", srs_id, definition, "x and y in metres"])?;
     Ok(srs_id)
 }
 
