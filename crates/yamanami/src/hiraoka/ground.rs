@@ -58,7 +58,7 @@ pub(super) fn mirrored(tin: &TriangleMesh, copies: usize) -> TriangleMesh {
     for (row, column) in (0..copies).flat_map(|row| (0..copies).map(move |column| (row, column))) {
         let turned = |v: f64, length: f64, nth: usize| {
             let start = nth as f64 * length;
-            if nth % 2 == 0 { start + v } else { start + (length - v) }
+            if nth.is_multiple_of(2) { start + v } else { start + (length - v) }
         };
         let numbers: Vec<u32> = tin
             .positions
