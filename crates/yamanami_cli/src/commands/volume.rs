@@ -108,7 +108,7 @@ fn report_between(args: &VolumeArgs, v: &VolumeBetween) -> Result<(), Failure> {
 }
 
 fn water(args: &VolumeArgs, level_m: f64) -> Result<(), Failure> {
-    let full = inputs::full_surface(&[args.a.clone()], &args.reading, &args.tin.options())?;
+    let full = inputs::full_surface(std::slice::from_ref(&args.a), &args.reading, &args.tin.options())?;
     let water = {
         let _bar = Bar::spinner("measuring");
         match args.seed {
