@@ -11,6 +11,7 @@ mod ground;
 mod group;
 mod number;
 mod patch;
+mod slots;
 mod sphere;
 mod split;
 mod surface;

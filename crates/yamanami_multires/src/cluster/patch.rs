@@ -3,6 +3,7 @@
 use super::attributes::{Finer, Made};
 use super::ground::Ground;
 use super::group::Member;
+use super::slots::{self, Slots};
 use super::split::{Item, edge_key, split};
 use super::weld::{Vertices, unit_normal};
 use crate::bound::{BoundOptions, distance_bound};
@@ -90,6 +91,8 @@ pub(super) struct Coarser {
     pub(super) lines: Vec<[u32; 2]>,
     /// What is known of the distance already, metres.
     pub(super) stray_m: f64,
+    /// For each vertex the finer patch's triangle that it lies in, or `u32::MAX`; empty where that is not known.
+    pub(super) under: Vec<u32>,
 }
 
 impl Patch {
@@ -99,12 +102,7 @@ impl Patch {
         for member in members {
             triangles.extend_from_slice(&member.triangles);
         }
-        let mut ids: Vec<u32> = triangles.as_flattened().to_vec();
-        ids.sort_unstable();
-        ids.dedup();
-        for corner in triangles.as_flattened_mut() {
-            *corner = ids.partition_point(|id| *id < *corner) as u32;
-        }
+        let ids = number_in_order(&mut triangles);
         let mut mesh = TriangleMesh::new(ids.iter().map(|&v| vertices.positions[v as usize]).collect(), triangles);
         if vertices.has_colours {
             let opaque = |&v: &u32| {
@@ -116,6 +114,30 @@ impl Patch {
         let locked = ids.iter().map(|&v| is_locked(v)).collect();
         Self { mesh, ids, locked }
     }
+}
+
+/// Numbers the vertices of a patch in the order of the numbers that they have, which it gives.
+fn number_in_order(triangles: &mut [[u32; 3]]) -> Vec<u32> {
+    let mut slots = Slots::default();
+    slots.reset(3 * triangles.len());
+    let mut found: Vec<u64> = Vec::with_capacity(triangles.len());
+    for corner in triangles.as_flattened_mut() {
+        let slot = slots.slot_of(u64::from(*corner));
+        let value = slots.value(slot);
+        if *value == slots::NONE {
+            *value = 0;
+            found.push(u64::from(*corner) << 32 | slot as u64);
+        }
+        *corner = slot as u32;
+    }
+    found.sort_unstable();
+    for (number, &entry) in (0u32..).zip(&found) {
+        *slots.value(entry as u32 as usize) = number;
+    }
+    for corner in triangles.as_flattened_mut() {
+        *corner = *slots.value(*corner as usize);
+    }
+    found.into_iter().map(|entry| (entry >> 32) as u32).collect()
 }
 
 /// The directed edges between locked vertices, as undirected edges with the surplus of one direction.
@@ -165,7 +187,7 @@ pub(super) fn reduce(
 }
 
 /// Bound on the distance between the finer and the coarser patch, metres: two-sided, or vertical and along lines on ground.
-fn distance_m(patch: &Patch, coarser: &Coarser, ground: Option<&Ground>) -> f64 {
+fn distance_m(patch: &Patch, coarser: &mut Coarser, ground: Option<&Ground>) -> f64 {
     if let Some(ground) = ground {
         return ground.distance_m(patch, coarser);
     }
@@ -183,7 +205,7 @@ fn keeps_seams(patch: &Patch, finer: &[(u64, i32)], coarser: &[(u64, i32)], is_u
 
 fn keep(
     patch: &Patch,
-    coarser: Coarser,
+    mut coarser: Coarser,
     finer_edges: &[(u64, i32)],
     vertices: &Vertices,
     cluster_triangles: usize,
@@ -209,9 +231,10 @@ fn keep(
     }
     let is_new = |edge: &u64| finer_edges.binary_search_by_key(edge, |e| e.0).is_err();
     let new_edges = coarser_edges.iter().map(|e| e.0).filter(is_new).collect();
-    let distance_m = distance_m(patch, &coarser, ground);
+    let distance_m = distance_m(patch, &mut coarser, ground);
 
-    let (made, number) = number_vertices(patch, mesh, sources, vertices);
+    let mesh = &coarser.mesh;
+    let (made, number) = number_vertices(patch, &coarser, vertices);
     let origin = mesh.positions[mesh.triangles[0][0] as usize];
     let mut items: Vec<Item> =
         (0..mesh.triangles.len()).map(|t| Item::new(t as u32, mesh.corners(t).map(|p| p - origin))).collect();
@@ -230,7 +253,8 @@ fn keep(
 }
 
 /// The vertices that the collapse made, in the order of their use, and each vertex's number.
-fn number_vertices(patch: &Patch, mesh: &TriangleMesh, sources: &[u32], vertices: &Vertices) -> (Vec<Made>, Vec<u32>) {
+fn number_vertices(patch: &Patch, coarser: &Coarser, vertices: &Vertices) -> (Vec<Made>, Vec<u32>) {
+    let Coarser { mesh, source: sources, under, .. } = coarser;
     let normals: Vec<[f32; 3]> = patch.ids.iter().map(|&v| vertices.normals[v as usize]).collect();
     let colours: Vec<[u8; 3]> = patch.ids.iter().map(|&v| vertices.colours[v as usize]).collect();
     let finer = Finer::new(&patch.mesh.positions, &patch.mesh.triangles, &normals, &colours);
@@ -241,7 +265,10 @@ fn number_vertices(patch: &Patch, mesh: &TriangleMesh, sources: &[u32], vertices
         let v = v as usize;
         if number[v] == u32::MAX {
             number[v] = NEW | made.len() as u32;
-            let mut vertex = finer.vertex_at(mesh.positions[v]);
+            let mut vertex = match under.get(v) {
+                Some(&triangle) if triangle != u32::MAX => finer.vertex_in(triangle, mesh.positions[v]),
+                _ => finer.vertex_at(mesh.positions[v]),
+            };
             if let Some(&[r, g, b, _]) = mesh.colours.get(v) {
                 vertex.colour = [r, g, b];
             }
