@@ -4,7 +4,6 @@ use super::ground::Ground;
 use super::group::group;
 use super::number::number;
 use super::patch::{Live, NEW, Outcome, Reduced, reduce};
-use super::sphere::enclose;
 use super::split::{Item, split};
 use super::weld::{Vertices, weld};
 use super::{ClusterBuild, ClusterOptions};
@@ -242,16 +241,7 @@ impl Rounds<'_> {
             self.vertices.normals.push(made.normal);
             self.vertices.colours.push(made.colour);
         }
-        let mut points = reduced.positions;
-        let mut balls = Vec::new();
-        for member in &members {
-            balls.extend(member.bound);
-            if member.bound.is_none() {
-                points.extend(member.triangles.as_flattened().iter().map(|&v| self.vertices.positions[v as usize]));
-            }
-        }
-        balls.dedup();
-        let bound = enclose(&points, &balls);
+        let bound = reduced.bound;
         let error_m = members.iter().map(|m| m.error_m).fold(0.0, f64::max) + reduced.distance_m;
         let group = self.records.len() as u32;
         let coarser = reduced.clusters.len();

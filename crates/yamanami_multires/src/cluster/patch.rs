@@ -4,6 +4,7 @@ use super::attributes::{Finer, Made};
 use super::ground::Ground;
 use super::group::Member;
 use super::slots::{self, Slots};
+use super::sphere::enclose;
 use super::split::{Item, edge_key, split};
 use super::weld::{Vertices, unit_normal};
 use crate::bound::{BoundOptions, distance_bound};
@@ -56,8 +57,8 @@ pub(super) struct Reduced {
     pub(super) made: Vec<Made>,
     /// Bound on the two-sided distance between the finer and the coarser patch, metres.
     pub(super) distance_m: f64,
-    /// Places of the coarser patch.
-    pub(super) positions: Vec<DVec3>,
+    /// Holds both patches and all below them.
+    pub(super) bound: Sphere,
     /// Edges between two locked vertices that the finer patch does not have.
     pub(super) new_edges: Vec<u64>,
     /// Edges of the coarser patch along breaklines, numbered as `clusters`.
@@ -182,7 +183,7 @@ pub(super) fn reduce(
             Coarser { mesh: collapsed.mesh, source: collapsed.source_vertex, ..Coarser::default() }
         }
     };
-    let reduced = keep(&patch, coarser, &finer_edges, vertices, cluster_triangles, ground);
+    let reduced = keep(&patch, members, coarser, &finer_edges, vertices, cluster_triangles, ground);
     Outcome { locked_edges: finer_edges.into_iter().map(|(edge, _)| edge).collect(), reduced }
 }
 
@@ -205,6 +206,7 @@ fn keeps_seams(patch: &Patch, finer: &[(u64, i32)], coarser: &[(u64, i32)], is_u
 
 fn keep(
     patch: &Patch,
+    members: &[&Live],
     mut coarser: Coarser,
     finer_edges: &[(u64, i32)],
     vertices: &Vertices,
@@ -249,7 +251,24 @@ fn keep(
         centres.push(origin + sum / (3 * len) as f64);
     }
     let lines = coarser.lines.iter().map(|edge| edge.map(|v| number[v as usize])).collect();
-    Some(Reduced { clusters, centres, made, distance_m, positions: coarser.mesh.positions, new_edges, lines })
+    let bound = bound_of(patch, members, coarser.mesh.positions);
+    Some(Reduced { clusters, centres, made, distance_m, bound, new_edges, lines })
+}
+
+/// The ball around a patch, the coarser one's places and what is below the members.
+fn bound_of(patch: &Patch, members: &[&Live], coarser: Vec<DVec3>) -> Sphere {
+    let mut points = coarser;
+    let mut balls = Vec::new();
+    if members.iter().all(|m| m.bound.is_none()) {
+        points.extend_from_slice(&patch.mesh.positions);
+    } else {
+        let place = |v: &u32| patch.ids.binary_search(v).map(|place| patch.mesh.positions[place]);
+        let unbounded = members.iter().filter(|m| m.bound.is_none());
+        points.extend(unbounded.flat_map(|m| m.triangles.as_flattened()).flat_map(place));
+        balls.extend(members.iter().filter_map(|m| m.bound));
+        balls.dedup();
+    }
+    enclose(&points, &balls)
 }
 
 /// The vertices that the collapse made, in the order of their use, and each vertex's number.

@@ -70,6 +70,8 @@ struct Overlay<'a> {
     /// Where each vertex of the fine one is in the coarse one, if that is known.
     at: Vec<Option<At>>,
     is_done: Vec<bool>,
+    /// From where each was walked to last.
+    last_from: Vec<u32>,
     /// Edges of the fine one whose walk failed.
     lost: Vec<[u32; 2]>,
 }
@@ -85,15 +87,9 @@ impl<'a> Overlay<'a> {
             worst_m: 0.0,
             at: vec![None; n],
             is_done: vec![false; n],
+            last_from: vec![NONE; n],
             lost: Vec::new(),
         }
-    }
-
-    /// Notes the triangle of the coarse one that a vertex of the fine one is in.
-    fn found(&mut self, v: u32, triangle: u32) {
-        let p = self.fine.ground.positions[v as usize];
-        self.worst_m = self.worst_m.max(self.coarse.ground.off_m(triangle, p));
-        self.at[v as usize] = Some(self.coarse.at(triangle, p));
     }
 
     /// Walks along all edges of the fine one, from one of its vertices to the next.
@@ -107,7 +103,9 @@ impl<'a> Overlay<'a> {
             if self.at[seed as usize].is_none() {
                 let triangle = self.look_up(seed, last_known);
                 if triangle != NONE {
-                    self.found(seed, triangle);
+                    let p = self.fine.ground.positions[seed as usize];
+                    self.worst_m = self.worst_m.max(self.coarse.ground.off_m(triangle, p));
+                    self.at[seed as usize] = Some(self.coarse.at(triangle, p));
                 }
             }
             stack.push(seed);
@@ -136,10 +134,8 @@ impl<'a> Overlay<'a> {
 
     fn walk_from(&mut self, v: u32, stack: &mut Vec<u32>) {
         let p = self.fine.ground.positions[v as usize];
-        let mut worst_m = self.worst_m;
-        let mut found = Vec::new();
         for n in self.fine.around(v) {
-            if self.is_done[n as usize] {
+            if self.is_done[n as usize] || std::mem::replace(&mut self.last_from[n as usize], v) == v {
                 continue;
             }
             let Some(at) = self.at[v as usize] else {
@@ -158,15 +154,12 @@ impl<'a> Overlay<'a> {
                 self.lost.push([v, n]);
                 continue;
             }
-            worst_m = worst_m.max(crossed_m);
+            self.worst_m = self.worst_m.max(crossed_m);
             if self.at[n as usize].is_none() {
-                found.push((n, end));
+                self.worst_m = self.worst_m.max(self.coarse.ground.off_m(end, q));
+                self.at[n as usize] = Some(self.coarse.at(end, q));
+                stack.push(n);
             }
-        }
-        self.worst_m = worst_m;
-        for (n, triangle) in found {
-            self.found(n, triangle);
-            stack.push(n);
         }
     }
 

@@ -12,8 +12,6 @@ pub(super) const NONE: u32 = u32::MAX;
 /// A TIN with its neighbourhood at hand. Side 3 t + k runs from corner k of triangle t to the next.
 pub(super) struct Net<'a> {
     pub(super) ground: Ground<'a>,
-    /// For each side the same one of the triangle beyond it.
-    twin: Vec<u32>,
     /// The first side that leaves each vertex, and for each side the next one.
     head: Vec<u32>,
     next: Vec<u32>,
@@ -40,26 +38,19 @@ impl<'a> Net<'a> {
         let sides = 3 * ground.triangles.len();
         let mut net = Self {
             ground,
-            twin: vec![NONE; sides],
             head: vec![NONE; ground.positions.len()],
             next: vec![NONE; sides],
         };
-        // a side meets its twin among those that came before
         for (side, &v) in ground.triangles.as_flattened().iter().enumerate() {
-            let side = side as u32;
-            let end = net.vertex(after(side));
-            let mut other = net.head[end as usize];
-            while other != NONE && (net.vertex(after(other)) != v || net.twin[other as usize] != NONE) {
-                other = net.next[other as usize];
-            }
-            if other != NONE {
-                net.twin[side as usize] = other;
-                net.twin[other as usize] = side;
-            }
-            net.next[side as usize] = net.head[v as usize];
-            net.head[v as usize] = side;
+            net.next[side] = std::mem::replace(&mut net.head[v as usize], side as u32);
         }
         net
+    }
+
+    /// The same side of the triangle beyond it, or [`NONE`].
+    fn twin(&self, side: u32) -> u32 {
+        let v = self.vertex(side);
+        self.sides_from(self.vertex(after(side))).find(|&other| self.vertex(after(other)) == v).unwrap_or(NONE)
     }
 
     /// The vertex that a side leaves.
@@ -79,13 +70,9 @@ impl<'a> Net<'a> {
         })
     }
 
-    /// The vertices around a vertex, each once.
+    /// The vertices around a vertex, each once or twice.
     pub(super) fn around(&self, v: u32) -> impl Iterator<Item = u32> {
-        self.sides_from(v).flat_map(|side| {
-            let last = before(side);
-            let is_border = self.twin[last as usize] == NONE;
-            [Some(self.vertex(after(side))), is_border.then(|| self.vertex(last))].into_iter().flatten()
-        })
+        self.sides_from(v).flat_map(|side| [self.vertex(after(side)), self.vertex(before(side))])
     }
 
     /// What is at a place in a triangle: one of its corners, if the place is that.
@@ -155,7 +142,7 @@ impl<'a> Net<'a> {
         for _ in 0..=self.ground.triangles.len() {
             let ends = [self.place(side), self.place(after(side))];
             cross(ends, right / (right - left));
-            let entered = self.twin[side as usize];
+            let entered = self.twin(side);
             if entered == NONE {
                 return NONE;
             }
