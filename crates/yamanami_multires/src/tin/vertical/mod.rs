@@ -133,32 +133,20 @@ impl<'a> Overlay<'a> {
     }
 
     fn walk_from(&mut self, v: u32, stack: &mut Vec<u32>) {
-        let p = self.fine.ground.positions[v as usize];
-        for n in self.fine.around(v) {
-            if self.is_done[n as usize] || std::mem::replace(&mut self.last_from[n as usize], v) == v {
-                continue;
-            }
-            let Some(at) = self.at[v as usize] else {
-                self.lost.push([v, n]);
-                continue;
-            };
-            let q = self.fine.ground.positions[n as usize];
-            let mut crossed_m = 0.0f64;
-            let end = self.coarse.walk(at, p, q, |[a, b], share| {
-                let (sp, sq) = (area2(a, b, p), area2(a, b, q));
-                let t = (sp / (sp - sq)).clamp(0.0, 1.0);
-                let difference_m = (p.z + t * (q.z - p.z)) - (a.z + share * (b.z - a.z));
-                crossed_m = crossed_m.max(difference_m.abs());
-            });
-            if end == NONE {
-                self.lost.push([v, n]);
-                continue;
-            }
-            self.worst_m = self.worst_m.max(crossed_m);
-            if self.at[n as usize].is_none() {
-                self.worst_m = self.worst_m.max(self.coarse.ground.off_m(end, q));
-                self.at[n as usize] = Some(self.coarse.at(end, q));
-                stack.push(n);
+        for pair in self.fine.around(v) {
+            for n in pair {
+                if self.is_done[n as usize] || std::mem::replace(&mut self.last_from[n as usize], v) == v {
+                    continue;
+                }
+                let end = self.at[v as usize].map_or(NONE, |at| walk_edge(self.fine.ground, &self.coarse, at, [v, n], &mut self.worst_m));
+                if end == NONE {
+                    self.lost.push([v, n]);
+                } else if self.at[n as usize].is_none() {
+                    let q = self.fine.ground.positions[n as usize];
+                    self.worst_m = self.worst_m.max(self.coarse.ground.off_m(end, q));
+                    self.at[n as usize] = Some(self.coarse.at(end, q));
+                    stack.push(n);
+                }
             }
         }
     }
@@ -204,6 +192,17 @@ impl<'a> Overlay<'a> {
         }
         under
     }
+}
+
+/// Walks along an edge of the fine ground over the coarse one, to the triangle where it ends, and looks at each crossing.
+fn walk_edge(fine: Ground<'_>, coarse: &Net<'_>, at: At, edge: [u32; 2], worst_m: &mut f64) -> u32 {
+    let [p, q] = edge.map(|v| fine.positions[v as usize]);
+    coarse.walk(at, p, q, |[a, b], share| {
+        let (sp, sq) = (area2(a, b, p), area2(a, b, q));
+        let t = (sp / (sp - sq)).clamp(0.0, 1.0);
+        let difference_m = (p.z + t * (q.z - p.z)) - (a.z + share * (b.z - a.z));
+        *worst_m = worst_m.max(difference_m.abs());
+    })
 }
 
 /// How two TINs differ where both are.

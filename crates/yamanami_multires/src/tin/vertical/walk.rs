@@ -63,16 +63,19 @@ impl<'a> Net<'a> {
     }
 
     fn sides_from(&self, v: u32) -> impl Iterator<Item = u32> {
-        let first = self.head[v as usize];
-        std::iter::successors((first != NONE).then_some(first), |&side| {
-            let next = self.next[side as usize];
-            (next != NONE).then_some(next)
+        let mut side = self.head[v as usize];
+        std::iter::from_fn(move || {
+            let this = side;
+            (this != NONE).then(|| {
+                side = self.next[this as usize];
+                this
+            })
         })
     }
 
-    /// The vertices around a vertex, each once or twice.
-    pub(super) fn around(&self, v: u32) -> impl Iterator<Item = u32> {
-        self.sides_from(v).flat_map(|side| [self.vertex(after(side)), self.vertex(before(side))])
+    /// Pairs of vertices around a vertex: those of each triangle.
+    pub(super) fn around(&self, v: u32) -> impl Iterator<Item = [u32; 2]> {
+        self.sides_from(v).map(|side| [after(side), before(side)].map(|side| self.vertex(side)))
     }
 
     /// What is at a place in a triangle: one of its corners, if the place is that.
