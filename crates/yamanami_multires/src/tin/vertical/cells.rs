@@ -3,6 +3,7 @@
 use super::walk::NONE;
 use super::{Ground, area2, box_of};
 use glam::{DVec2, DVec3};
+use std::cell::{Cell, OnceCell};
 
 /// Cells over a ground, each with what lies in it.
 struct Cells {
@@ -71,27 +72,36 @@ impl Cells {
     }
 }
 
-/// The triangles of a ground by cells.
-pub(super) struct TriangleCells<'a> {
+/// How often all triangles are looked through, before sorting them into cells is worth its time.
+const SCANS: u32 = 8;
+
+/// Finds triangles by place.
+pub(super) struct Finder<'a> {
     ground: Ground<'a>,
-    cells: Cells,
+    bounds: [DVec2; 2],
+    asked: Cell<u32>,
+    cells: OnceCell<Cells>,
 }
 
-impl<'a> TriangleCells<'a> {
+impl<'a> Finder<'a> {
     pub(super) fn new(ground: Ground<'a>, bounds: [DVec2; 2]) -> Self {
-        let cells = Cells::new(bounds, ground.triangles.len(), |t| box_of(&ground.corners(t as u32)));
-        Self { ground, cells }
+        Self { ground, bounds, asked: Cell::new(0), cells: OnceCell::new() }
     }
 
     /// The triangle at a place, or [`NONE`].
     pub(super) fn triangle_at(&self, p: DVec3) -> u32 {
-        let [x, y] = self.cells.cell_of(p.truncate());
         let is_at = |&&t: &&u32| {
             let [a, b, c] = self.ground.corners(t);
             let weights = [area2(b, c, p), area2(c, a, p), area2(a, b, p)];
             weights.iter().all(|w| *w >= 0.0) && weights.iter().sum::<f64>() > 0.0
         };
-        self.cells.in_cell(x, y).iter().find(is_at).copied().unwrap_or(NONE)
+        if self.asked.replace(self.asked.get() + 1) < SCANS {
+            return (0..self.ground.triangles.len() as u32).find(|t| is_at(&t)).unwrap_or(NONE);
+        }
+        let of = |t: usize| box_of(&self.ground.corners(t as u32));
+        let cells = self.cells.get_or_init(|| Cells::new(self.bounds, self.ground.triangles.len(), of));
+        let [x, y] = cells.cell_of(p.truncate());
+        cells.in_cell(x, y).iter().find(is_at).copied().unwrap_or(NONE)
     }
 }
 

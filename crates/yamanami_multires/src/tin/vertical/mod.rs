@@ -10,9 +10,8 @@ mod cells;
 mod tests;
 mod walk;
 
-use cells::{EdgeCells, TriangleCells};
+use cells::{EdgeCells, Finder};
 use glam::{DVec2, DVec3};
-use std::cell::OnceCell;
 use walk::{At, NONE, Net};
 
 /// A triangulation without overlap in plan, its places relative to something near.
@@ -65,7 +64,7 @@ struct Overlay<'a> {
     fine: Net<'a>,
     coarse: Net<'a>,
     bounds: [DVec2; 2],
-    coarse_cells: OnceCell<TriangleCells<'a>>,
+    coarse_finder: Finder<'a>,
     worst_m: f64,
     /// Where each vertex of the fine one is in the coarse one, if that is known.
     at: Vec<Option<At>>,
@@ -79,11 +78,12 @@ struct Overlay<'a> {
 impl<'a> Overlay<'a> {
     fn new(fine: Ground<'a>, coarse: Ground<'a>) -> Self {
         let n = fine.positions.len();
+        let bounds = box_of(fine.positions);
         Self {
             fine: Net::new(fine),
             coarse: Net::new(coarse),
-            bounds: box_of(fine.positions),
-            coarse_cells: OnceCell::new(),
+            bounds,
+            coarse_finder: Finder::new(coarse, bounds),
             worst_m: 0.0,
             at: vec![None; n],
             is_done: vec![false; n],
@@ -129,13 +129,16 @@ impl<'a> Overlay<'a> {
                 return end;
             }
         }
-        self.coarse_cells.get_or_init(|| TriangleCells::new(self.coarse.ground, self.bounds)).triangle_at(p)
+        self.coarse_finder.triangle_at(p)
     }
 
     fn walk_from(&mut self, v: u32, stack: &mut Vec<u32>) {
         for pair in self.fine.around(v) {
             for n in pair {
                 if self.is_done[n as usize] || std::mem::replace(&mut self.last_from[n as usize], v) == v {
+                    continue;
+                }
+                if self.are_in_one(v, n) {
                     continue;
                 }
                 let end = self.at[v as usize].map_or(NONE, |at| walk_edge(self.fine.ground, &self.coarse, at, [v, n], &mut self.worst_m));
@@ -148,6 +151,17 @@ impl<'a> Overlay<'a> {
                     stack.push(n);
                 }
             }
+        }
+    }
+
+    /// Whether two vertices of the fine one are known to lie in one triangle of the coarse one, so that nothing is crossed.
+    fn are_in_one(&self, v: u32, n: u32) -> bool {
+        match (self.at[v as usize], self.at[n as usize]) {
+            (Some(At::Triangle(t)), Some(At::Triangle(other))) => t == other,
+            (Some(At::Triangle(t)), Some(At::Vertex(corner))) | (Some(At::Vertex(corner)), Some(At::Triangle(t))) => {
+                self.coarse.ground.triangles[t as usize].contains(&corner)
+            }
+            _ => false,
         }
     }
 
@@ -175,7 +189,7 @@ impl<'a> Overlay<'a> {
                 None => {}
             }
         }
-        let fine_cells = OnceCell::new();
+        let fine_finder = Finder::new(fine.ground, self.bounds);
         let mut under = vec![NONE; n];
         for (v, &p) in coarse.ground.positions.iter().enumerate().filter(|(v, _)| !is_shared[*v]) {
             if near[v] != NONE {
@@ -183,8 +197,7 @@ impl<'a> Overlay<'a> {
                 under[v] = fine.walk(At::Vertex(near[v]), from, p, |_, _| {});
             }
             if under[v] == NONE {
-                let cells = fine_cells.get_or_init(|| TriangleCells::new(fine.ground, self.bounds));
-                under[v] = cells.triangle_at(p);
+                under[v] = fine_finder.triangle_at(p);
             }
             if under[v] != NONE {
                 self.worst_m = self.worst_m.max(fine.ground.off_m(under[v], p));
