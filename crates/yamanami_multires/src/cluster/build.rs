@@ -66,8 +66,8 @@ pub fn build(mesh: &TriangleMesh, options: &ClusterOptions<'_>) -> Result<Cluste
 ///
 /// Expects a mesh without overlap in plan, as [`crate::tin`] makes and mends them.
 pub fn build_tin(tin: &Tin, snap: Option<Snap>, options: &ClusterOptions<'_>) -> Result<ClusterBuild, MultiresError> {
-    let (vertices, triangles) = weld(&tin.mesh)?;
-    let ground = Ground::new(tin, snap, &vertices, &triangles);
+    let (mut vertices, mut triangles) = weld(&tin.mesh)?;
+    let ground = Ground::new(tin, snap, &mut vertices, &mut triangles);
     build_welded(vertices, triangles, Some(ground), options)
 }
 

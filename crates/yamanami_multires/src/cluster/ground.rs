@@ -11,6 +11,7 @@ use crate::tin::vertical::{Ground as Piece, vertical_difference};
 use crate::tin::{line_edges, t_junctions};
 use glam::DVec3;
 use std::collections::HashSet;
+use std::mem::take;
 use yamanami_core::{Snap, Tin, TriangleMesh};
 
 /// What is known of the ground beside its triangles.
@@ -24,15 +25,18 @@ pub(super) struct Ground {
 }
 
 impl Ground {
-    pub(super) fn new(tin: &Tin, snap: Option<Snap>, vertices: &Vertices, triangles: &[[u32; 3]]) -> Self {
+    /// Vertices and triangles are only lent.
+    pub(super) fn new(tin: &Tin, snap: Option<Snap>, vertices: &mut Vertices, triangles: &mut Vec<[u32; 3]>) -> Self {
         let mut lines = HashSet::new();
         // by the welded vertices' numbers
-        let mesh = TriangleMesh::new(vertices.positions.clone(), triangles.to_vec());
-        let stays = t_junctions(&mesh).into_iter().flat_map(|(v, [a, b])| [v, a, b]).collect();
+        let mut welded =
+            Tin::of_mesh("", TriangleMesh::new(take(&mut vertices.positions), take(triangles)));
+        let stays = t_junctions(&welded.mesh).into_iter().flat_map(|(v, [a, b])| [v, a, b]).collect();
         if !tin.breaklines.is_empty() {
-            let welded = Tin { mesh, breaklines: tin.breaklines.clone(), ..Tin::default() };
+            welded.breaklines.clone_from(&tin.breaklines);
             lines.extend(line_edges(&welded).edges.iter().map(|&[a, b]| edge_key(a, b)));
         }
+        (vertices.positions, *triangles) = (welded.mesh.positions, welded.mesh.triangles);
         Self { snap, lines, stays }
     }
 

@@ -1,5 +1,6 @@
 //! Edges: which faces are there twice or crowd an edge, and which vertices of the border lie within its edges.
 
+use crate::tin::mixed;
 use super::tree::{Rect, Tree};
 use super::{Fault, Faults, touch_m, vertex_place};
 use glam::DVec2;
@@ -52,12 +53,7 @@ pub(super) fn repeated(triangles: &[[u32; 3]], alive: &[bool]) -> [Vec<u32>; 2] 
 
 /// The edges with one face alone, ascending.
 fn border(mesh: &TriangleMesh) -> Vec<[u32; 2]> {
-    // what leaves a vertex for another less what comes from there: nothing is left inside. Numbers are mixed over 64 bits, lest
-    // different ones cancel out
-    let mixed = |v: u32| {
-        let x = (u64::from(v) + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-        (x ^ x >> 29).wrapping_mul(0xBF58_476D_1CE4_E5B9)
-    };
+    // what leaves a vertex for another less what comes from there: nothing is left inside
     let mut left = vec![0u64; mesh.positions.len()];
     for &[a, b, c] in &mesh.triangles {
         let [ma, mb, mc] = [a, b, c].map(mixed);
