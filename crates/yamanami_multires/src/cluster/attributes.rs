@@ -2,6 +2,7 @@
 
 use super::weld::unit_normal;
 use glam::DVec3;
+use std::cell::OnceCell;
 
 /// A vertex that a collapse made.
 #[derive(Debug, Clone, Copy)]
@@ -17,7 +18,12 @@ pub(super) struct Finer<'a> {
     triangles: &'a [[u32; 3]],
     normals: &'a [[f32; 3]],
     colours: &'a [[u8; 3]],
-    /// Where the triangles at each vertex begin in `at`.
+    stars: OnceCell<Stars>,
+}
+
+/// The triangles at each vertex.
+struct Stars {
+    /// Where those of each vertex begin in `at`.
     start: Vec<u32>,
     at: Vec<u32>,
 }
@@ -29,6 +35,11 @@ impl<'a> Finer<'a> {
         normals: &'a [[f32; 3]],
         colours: &'a [[u8; 3]],
     ) -> Self {
+        Self { positions, triangles, normals, colours, stars: OnceCell::new() }
+    }
+
+    fn stars(&self) -> Stars {
+        let (positions, triangles) = (self.positions, self.triangles);
         let mut start = vec![0u32; positions.len() + 1];
         for &v in triangles.as_flattened() {
             start[v as usize + 1] += 1;
@@ -44,7 +55,7 @@ impl<'a> Finer<'a> {
                 next[v as usize] += 1;
             }
         }
-        Self { positions, triangles, normals, colours, start, at }
+        Stars { start, at }
     }
 
     /// The vertex at a place, with the attributes of the surface near it: those of the triangle nearest to it among the ones
@@ -58,7 +69,8 @@ impl<'a> Finer<'a> {
             }
         }
         let mut best = (f64::INFINITY, [0; 3], [0.0; 3]);
-        for &t in &self.at[self.start[nearest.1] as usize..self.start[nearest.1 + 1] as usize] {
+        let Stars { start, at } = self.stars.get_or_init(|| self.stars());
+        for &t in &at[start[nearest.1] as usize..start[nearest.1 + 1] as usize] {
             let corners = self.triangles[t as usize];
             let [a, b, c] = corners.map(|v| self.positions[v as usize]);
             let shares = shares_near([a, b, c], position);
@@ -67,7 +79,16 @@ impl<'a> Finer<'a> {
                 best = (off, corners, shares);
             }
         }
-        let (_, corners, shares) = best;
+        self.blend(best.1, best.2, position)
+    }
+
+    /// The vertex at a place, with the attributes of the surface in one triangle near it.
+    pub(super) fn vertex_in(&self, triangle: u32, position: DVec3) -> Made {
+        let corners = self.triangles[triangle as usize];
+        self.blend(corners, shares_near(corners.map(|v| self.positions[v as usize]), position), position)
+    }
+
+    fn blend(&self, corners: [u32; 3], shares: [f64; 3], position: DVec3) -> Made {
         let (mut normal, mut colour) = (DVec3::ZERO, DVec3::ZERO);
         for (v, share) in corners.into_iter().zip(shares) {
             normal += share * DVec3::from_array(self.normals[v as usize].map(f64::from));

@@ -4,7 +4,6 @@ use super::ground::Ground;
 use super::group::group;
 use super::number::{Numbered, number};
 use super::patch::{Live, NEW, Outcome, Reduced, reduce};
-use super::sphere::enclose;
 use super::split::{Item, split};
 use super::weld::{Vertices, weld};
 use super::{ClusterBuild, ClusterOptions};
@@ -70,8 +69,8 @@ pub fn build(mesh: &TriangleMesh, options: &ClusterOptions<'_>) -> Result<Cluste
 ///
 /// Expects a mesh without overlap in plan, as [`crate::tin`] makes and mends them.
 pub fn build_tin(tin: &Tin, snap: Option<Snap>, options: &ClusterOptions<'_>) -> Result<ClusterBuild, MultiresError> {
-    let (vertices, triangles) = weld(&tin.mesh)?;
-    let ground = Ground::new(tin, snap, &vertices, &triangles);
+    let (mut vertices, mut triangles) = weld(&tin.mesh)?;
+    let ground = Ground::new(tin, snap, &mut vertices, &mut triangles);
     let mut rounds = Rounds::new(vertices, Some(ground), options);
     let leaves = rounds.leaves(triangles);
     let live = rounds.run(leaves, 0)?;
@@ -259,16 +258,7 @@ impl<'a> Rounds<'a> {
             self.vertices.normals.push(made.normal);
             self.vertices.colours.push(made.colour);
         }
-        let mut points = reduced.positions;
-        let mut balls = Vec::new();
-        for member in &members {
-            balls.extend(member.bound);
-            if member.bound.is_none() {
-                points.extend(member.triangles.as_flattened().iter().map(|&v| self.vertices.positions[v as usize]));
-            }
-        }
-        balls.dedup();
-        let bound = enclose(&points, &balls);
+        let bound = reduced.bound;
         let error_m = members.iter().map(|m| m.error_m).fold(0.0, f64::max) + reduced.distance_m;
         let group = (self.below.len() + self.records.len()) as u32;
         let coarser = reduced.clusters.len();

@@ -82,8 +82,8 @@ pub fn build_tile(
     snap: Option<Snap>,
     options: &ClusterOptions<'_>,
 ) -> Result<Tile, MultiresError> {
-    let (vertices, triangles) = weld(&tin.mesh)?;
-    let ground = Ground::new(tin, snap, &vertices, &triangles);
+    let (mut vertices, mut triangles) = weld(&tin.mesh)?;
+    let ground = Ground::new(tin, snap, &mut vertices, &mut triangles);
     let enough = triangles.len() / TOP_SHARE;
     let is_fixed = vertices.positions.iter().map(|&p| is_shared(p)).collect();
     let mut rounds = Rounds::new(vertices, Some(ground), options);

@@ -7,10 +7,11 @@ use super::patch::{Coarser, Patch};
 use super::split::edge_key;
 use super::weld::Vertices;
 use crate::tin::collapse::{Task, reduce};
-use crate::tin::vertical::{Ground as Piece, vertical_distance_m};
+use crate::tin::vertical::{Ground as Piece, vertical_difference};
 use crate::tin::{line_edges, t_junctions};
 use glam::DVec3;
 use std::collections::HashSet;
+use std::mem::take;
 use yamanami_core::{Snap, Tin, TriangleMesh};
 
 /// Vertices that hang on an edge of others, and its ends.
@@ -29,15 +30,17 @@ pub(super) struct Ground {
 }
 
 impl Ground {
-    pub(super) fn new(tin: &Tin, snap: Option<Snap>, vertices: &Vertices, triangles: &[[u32; 3]]) -> Self {
+    /// Vertices and triangles are only lent.
+    pub(super) fn new(tin: &Tin, snap: Option<Snap>, vertices: &mut Vertices, triangles: &mut Vec<[u32; 3]>) -> Self {
         let mut lines = HashSet::new();
         // by the welded vertices' numbers
-        let mesh = TriangleMesh::new(vertices.positions.clone(), triangles.to_vec());
-        let stays = stays(&mesh);
+        let mut welded = Tin::of_mesh("", TriangleMesh::new(take(&mut vertices.positions), take(triangles)));
+        let stays = stays(&welded.mesh);
         if !tin.breaklines.is_empty() {
-            let welded = Tin { mesh, breaklines: tin.breaklines.clone(), ..Tin::default() };
+            welded.breaklines.clone_from(&tin.breaklines);
             lines.extend(line_edges(&welded).edges.iter().map(|&[a, b]| edge_key(a, b)));
         }
+        (vertices.positions, *triangles) = (welded.mesh.positions, welded.mesh.triangles);
         Self { snap, lines, stays }
     }
 
@@ -69,7 +72,7 @@ impl Ground {
             snap: self.snap,
         });
         let mesh = TriangleMesh::new(reduced.positions, reduced.triangles);
-        Coarser { mesh, source: reduced.source, lines: reduced.lines, stray_m: reduced.stray_m }
+        Coarser { mesh, source: reduced.source, lines: reduced.lines, stray_m: reduced.stray_m, under: Vec::new() }
     }
 
     fn lines_of(&self, patch: &Patch) -> Vec<[u32; 2]> {
@@ -86,12 +89,15 @@ impl Ground {
     }
 
     /// How far the coarser patch is from the finer one: vertically where both are, along borders and breaklines in space.
-    pub(super) fn distance_m(&self, patch: &Patch, coarser: &Coarser) -> f64 {
+    /// Notes where the coarser one's vertices lie.
+    pub(super) fn distance_m(&self, patch: &Patch, coarser: &mut Coarser) -> f64 {
         let origin = patch.mesh.positions.first().copied().unwrap_or_default();
         let near = |mesh: &TriangleMesh| mesh.positions.iter().map(|&p| p - origin).collect::<Vec<DVec3>>();
         let (finer_near, coarser_near) = (near(&patch.mesh), near(&coarser.mesh));
         let finer = Piece { positions: &finer_near, triangles: &patch.mesh.triangles };
         let coarser_piece = Piece { positions: &coarser_near, triangles: &coarser.mesh.triangles };
-        vertical_distance_m(finer, coarser_piece).max(coarser.stray_m)
+        let difference = vertical_difference(finer, coarser_piece);
+        coarser.under = difference.under;
+        difference.worst_m.max(coarser.stray_m)
     }
 }

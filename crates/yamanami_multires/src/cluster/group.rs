@@ -3,6 +3,7 @@
 //! Seams of the round before are dense, for they were locked, so a group that grows over the longest shared seam first
 //! puts them inside and lets them be simplified now.
 
+use super::slots::Slots;
 use super::split::edge_key;
 use super::table::MOST_CLUSTERS;
 use glam::DVec3;
@@ -22,15 +23,19 @@ pub(super) trait Member: Sync {
 /// For each cluster its neighbours and the edges shared with each, by number.
 fn neighbours<M: Member>(members: &[M]) -> Vec<Vec<(u32, u32)>> {
     let mut edges: Vec<(u64, u32)> = (members.par_iter().zip(0u32..members.len() as u32))
-        .flat_map_iter(|(member, number)| {
-            let mut own: Vec<u64> = (member.triangles().iter())
-                .flat_map(|&[a, b, c]| [edge_key(a, b), edge_key(b, c), edge_key(c, a)])
-                .collect();
-            own.sort_unstable();
-            // an edge with two triangles here has none elsewhere, unless it is not manifold
-            let single: Vec<u64> = own.chunk_by(|a, b| a == b).filter(|run| run.len() != 2).map(|run| run[0]).collect();
-            single.into_iter().map(move |edge| (edge, number))
+        .map_init(Slots::default, |own, (member, number)| {
+            own.reset(3 * member.triangles().len());
+            for &[a, b, c] in member.triangles() {
+                for edge in [edge_key(a, b), edge_key(b, c), edge_key(c, a)] {
+                    let slot = own.slot_of(edge);
+                    let count = own.value(slot);
+                    *count = count.wrapping_add(1);
+                }
+            }
+            // an edge with two triangles here has none elsewhere, unless it is not manifold; counts begin with -1
+            own.iter().filter(|&(_, count)| count != 1).map(|(edge, _)| (edge, number)).collect::<Vec<_>>()
         })
+        .flatten_iter()
         .collect();
     edges.par_sort_unstable();
     let mut pairs = Vec::new();

@@ -12,6 +12,7 @@ mod ground;
 mod group;
 mod number;
 mod patch;
+mod slots;
 mod sphere;
 mod split;
 mod surface;

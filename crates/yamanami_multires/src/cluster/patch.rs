@@ -3,6 +3,8 @@
 use super::attributes::{Finer, Made};
 use super::ground::Ground;
 use super::group::Member;
+use super::slots::{self, Slots};
+use super::sphere::enclose;
 use super::split::{Item, edge_key, split};
 use super::weld::{Vertices, unit_normal};
 use crate::bound::{BoundOptions, distance_bound};
@@ -55,8 +57,8 @@ pub(super) struct Reduced {
     pub(super) made: Vec<Made>,
     /// Bound on the two-sided distance between the finer and the coarser patch, metres.
     pub(super) distance_m: f64,
-    /// Places of the coarser patch.
-    pub(super) positions: Vec<DVec3>,
+    /// Holds both patches and all below them.
+    pub(super) bound: Sphere,
     /// Edges between two locked vertices that the finer patch does not have.
     pub(super) new_edges: Vec<u64>,
     /// Edges of the coarser patch along breaklines, numbered as `clusters`.
@@ -90,6 +92,8 @@ pub(super) struct Coarser {
     pub(super) lines: Vec<[u32; 2]>,
     /// What is known of the distance already, metres.
     pub(super) stray_m: f64,
+    /// For each vertex the finer patch's triangle that it lies in, or `u32::MAX`; empty where that is not known.
+    pub(super) under: Vec<u32>,
 }
 
 impl Patch {
@@ -99,12 +103,7 @@ impl Patch {
         for member in members {
             triangles.extend_from_slice(&member.triangles);
         }
-        let mut ids: Vec<u32> = triangles.as_flattened().to_vec();
-        ids.sort_unstable();
-        ids.dedup();
-        for corner in triangles.as_flattened_mut() {
-            *corner = ids.partition_point(|id| *id < *corner) as u32;
-        }
+        let ids = number_in_order(&mut triangles);
         let mut mesh = TriangleMesh::new(ids.iter().map(|&v| vertices.positions[v as usize]).collect(), triangles);
         if vertices.has_colours {
             let opaque = |&v: &u32| {
@@ -116,6 +115,30 @@ impl Patch {
         let locked = ids.iter().map(|&v| is_locked(v)).collect();
         Self { mesh, ids, locked }
     }
+}
+
+/// Numbers the vertices of a patch in the order of the numbers that they have, which it gives.
+fn number_in_order(triangles: &mut [[u32; 3]]) -> Vec<u32> {
+    let mut slots = Slots::default();
+    slots.reset(3 * triangles.len());
+    let mut found: Vec<u64> = Vec::with_capacity(triangles.len());
+    for corner in triangles.as_flattened_mut() {
+        let slot = slots.slot_of(u64::from(*corner));
+        let value = slots.value(slot);
+        if *value == slots::NONE {
+            *value = 0;
+            found.push(u64::from(*corner) << 32 | slot as u64);
+        }
+        *corner = slot as u32;
+    }
+    found.sort_unstable();
+    for (number, &entry) in (0u32..).zip(&found) {
+        *slots.value(entry as u32 as usize) = number;
+    }
+    for corner in triangles.as_flattened_mut() {
+        *corner = *slots.value(*corner as usize);
+    }
+    found.into_iter().map(|entry| (entry >> 32) as u32).collect()
 }
 
 /// The directed edges between locked vertices, as undirected edges with the surplus of one direction.
@@ -160,12 +183,12 @@ pub(super) fn reduce(
             Coarser { mesh: collapsed.mesh, source: collapsed.source_vertex, ..Coarser::default() }
         }
     };
-    let reduced = keep(&patch, coarser, &finer_edges, vertices, cluster_triangles, ground);
+    let reduced = keep(&patch, members, coarser, &finer_edges, vertices, cluster_triangles, ground);
     Outcome { locked_edges: finer_edges.into_iter().map(|(edge, _)| edge).collect(), reduced }
 }
 
 /// Bound on the distance between the finer and the coarser patch, metres: two-sided, or vertical and along lines on ground.
-fn distance_m(patch: &Patch, coarser: &Coarser, ground: Option<&Ground>) -> f64 {
+fn distance_m(patch: &Patch, coarser: &mut Coarser, ground: Option<&Ground>) -> f64 {
     if let Some(ground) = ground {
         return ground.distance_m(patch, coarser);
     }
@@ -183,7 +206,8 @@ fn keeps_seams(patch: &Patch, finer: &[(u64, i32)], coarser: &[(u64, i32)], is_u
 
 fn keep(
     patch: &Patch,
-    coarser: Coarser,
+    members: &[&Live],
+    mut coarser: Coarser,
     finer_edges: &[(u64, i32)],
     vertices: &Vertices,
     cluster_triangles: usize,
@@ -209,9 +233,10 @@ fn keep(
     }
     let is_new = |edge: &u64| finer_edges.binary_search_by_key(edge, |e| e.0).is_err();
     let new_edges = coarser_edges.iter().map(|e| e.0).filter(is_new).collect();
-    let distance_m = distance_m(patch, &coarser, ground);
+    let distance_m = distance_m(patch, &mut coarser, ground);
 
-    let (made, number) = number_vertices(patch, mesh, sources, vertices);
+    let mesh = &coarser.mesh;
+    let (made, number) = number_vertices(patch, &coarser, vertices);
     let origin = mesh.positions[mesh.triangles[0][0] as usize];
     let mut items: Vec<Item> =
         (0..mesh.triangles.len()).map(|t| Item::new(t as u32, mesh.corners(t).map(|p| p - origin))).collect();
@@ -226,11 +251,29 @@ fn keep(
         centres.push(origin + sum / (3 * len) as f64);
     }
     let lines = coarser.lines.iter().map(|edge| edge.map(|v| number[v as usize])).collect();
-    Some(Reduced { clusters, centres, made, distance_m, positions: coarser.mesh.positions, new_edges, lines })
+    let bound = bound_of(patch, members, coarser.mesh.positions);
+    Some(Reduced { clusters, centres, made, distance_m, bound, new_edges, lines })
+}
+
+/// The ball around a patch, the coarser one's places and what is below the members.
+fn bound_of(patch: &Patch, members: &[&Live], coarser: Vec<DVec3>) -> Sphere {
+    let mut points = coarser;
+    let mut balls = Vec::new();
+    if members.iter().all(|m| m.bound.is_none()) {
+        points.extend_from_slice(&patch.mesh.positions);
+    } else {
+        let place = |v: &u32| patch.ids.binary_search(v).map(|place| patch.mesh.positions[place]);
+        let unbounded = members.iter().filter(|m| m.bound.is_none());
+        points.extend(unbounded.flat_map(|m| m.triangles.as_flattened()).flat_map(place));
+        balls.extend(members.iter().filter_map(|m| m.bound));
+        balls.dedup();
+    }
+    enclose(&points, &balls)
 }
 
 /// The vertices that the collapse made, in the order of their use, and each vertex's number.
-fn number_vertices(patch: &Patch, mesh: &TriangleMesh, sources: &[u32], vertices: &Vertices) -> (Vec<Made>, Vec<u32>) {
+fn number_vertices(patch: &Patch, coarser: &Coarser, vertices: &Vertices) -> (Vec<Made>, Vec<u32>) {
+    let Coarser { mesh, source: sources, under, .. } = coarser;
     let normals: Vec<[f32; 3]> = patch.ids.iter().map(|&v| vertices.normals[v as usize]).collect();
     let colours: Vec<[u8; 3]> = patch.ids.iter().map(|&v| vertices.colours[v as usize]).collect();
     let finer = Finer::new(&patch.mesh.positions, &patch.mesh.triangles, &normals, &colours);
@@ -241,7 +284,10 @@ fn number_vertices(patch: &Patch, mesh: &TriangleMesh, sources: &[u32], vertices
         let v = v as usize;
         if number[v] == u32::MAX {
             number[v] = NEW | made.len() as u32;
-            let mut vertex = finer.vertex_at(mesh.positions[v]);
+            let mut vertex = match under.get(v) {
+                Some(&triangle) if triangle != u32::MAX => finer.vertex_in(triangle, mesh.positions[v]),
+                _ => finer.vertex_at(mesh.positions[v]),
+            };
             if let Some(&[r, g, b, _]) = mesh.colours.get(v) {
                 vertex.colour = [r, g, b];
             }

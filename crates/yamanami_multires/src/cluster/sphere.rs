@@ -9,6 +9,9 @@ use yamanami_core::Sphere;
 /// Steps of the walk.
 const STEPS: usize = 24;
 
+/// Points nearer to the first centre than this share of the radius there are left out of the walk.
+const OUTER: f64 = 0.7;
+
 /// What the radius is given for rounding, relative.
 const ROUNDING: f64 = 1e-12;
 
@@ -23,23 +26,34 @@ pub(super) fn enclose(points: &[DVec3], balls: &[Sphere]) -> Sphere {
     if !low.is_finite() {
         return Sphere { centre: DVec3::ZERO, radius_m: 0.0 };
     }
-    let farthest = |from: DVec3| {
-        all().fold((0.0, from), |best: (f64, DVec3), Sphere { centre, radius_m }| {
+    let farthest = |points: &[DVec3], from: DVec3| {
+        let (mut off2, mut towards) = (0.0, from);
+        for &p in points {
+            let here2 = p.distance_squared(from);
+            if here2 > off2 {
+                (off2, towards) = (here2, p);
+            }
+        }
+        balls.iter().fold((off2.sqrt(), towards), |best: (f64, DVec3), &Sphere { centre, radius_m }| {
             let off = centre - from;
             let reach_m = off.length() + radius_m;
             if reach_m > best.0 { (reach_m, centre + off.normalize_or_zero() * radius_m) } else { best }
         })
     };
     let mut centre = 0.5 * (low + high);
-    let (mut radius_m, mut towards) = farthest(centre);
+    let (mut radius_m, mut towards) = farthest(points, centre);
+    // the centre stays about where it is: what is near it will never be farthest
+    let outer2 = (OUTER * radius_m).powi(2);
+    let outer: Vec<DVec3> = points.iter().copied().filter(|p| p.distance_squared(centre) >= outer2).collect();
     let mut best = Sphere { centre, radius_m };
     for step in 0..STEPS {
         centre += (towards - centre) / (step + 2) as f64 * 0.5;
-        (radius_m, towards) = farthest(centre);
+        (radius_m, towards) = farthest(&outer, centre);
         if radius_m < best.radius_m {
             best = Sphere { centre, radius_m };
         }
     }
+    best.radius_m = farthest(points, best.centre).0;
     best.radius_m += ROUNDING * (best.radius_m + best.centre.length());
     best
 }

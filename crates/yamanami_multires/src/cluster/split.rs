@@ -4,6 +4,7 @@
 //! Based on: Simon, "Partitioning of unstructured problems for parallel processing", 1991 (inertial bisection); Kernighan
 //! and Lin, "An efficient heuristic procedure for partitioning graphs", 1970 (exchange in pairs).
 
+use super::slots::{NONE, Slots};
 use glam::{DMat3, DVec3};
 
 /// Sets up to this large are cut with their neighbourhood in view.
@@ -11,9 +12,6 @@ const SMALL: usize = 2048;
 
 /// Rounds of exchange a cut.
 const EXCHANGES: usize = 6;
-
-/// No neighbour.
-const NONE: u32 = u32::MAX;
 
 /// A triangle to be put somewhere.
 #[derive(Debug, Clone, Copy)]
@@ -99,31 +97,32 @@ struct Small {
     /// The piece that each item is in while cuts are made.
     piece: Vec<u32>,
     pieces: u32,
+    /// Room to sort in: items by their number, and which of the numbers are there.
+    room: Vec<Item>,
+    here: Vec<u64>,
 }
 
 impl Small {
     fn new(items: &[Item], triangles: &[[u32; 3]], most: usize) -> Self {
-        let mut edges: Vec<(u64, u32)> = Vec::with_capacity(3 * items.len());
+        // sides of one edge meet in pairs, in the order of the items
+        let mut waiting = Slots::default();
+        waiting.reset(3 * items.len());
+        let mut neighbours = vec![[NONE; 3]; items.len()];
         for (i, item) in items.iter().enumerate() {
             let [a, b, c] = triangles[item.triangle as usize];
             for (k, (v, w)) in [(a, b), (b, c), (c, a)].into_iter().enumerate() {
-                edges.push((edge_key(v, w), (i << 2 | k) as u32));
+                let slot = waiting.slot_of(edge_key(v, w));
+                let other = waiting.value(slot);
+                if *other == NONE {
+                    *other = (i << 2 | k) as u32;
+                    continue;
+                }
+                neighbours[i][k] = *other >> 2;
+                neighbours[(*other >> 2) as usize][(*other & 3) as usize] = i as u32;
+                *other = NONE;
             }
         }
-        edges.sort_unstable();
-        let mut neighbours = vec![[NONE; 3]; items.len()];
-        let mut i = 0;
-        while i + 1 < edges.len() {
-            if edges[i].0 != edges[i + 1].0 {
-                i += 1;
-                continue;
-            }
-            let [a, b] = [edges[i].1, edges[i + 1].1];
-            neighbours[(a >> 2) as usize][(a & 3) as usize] = b >> 2;
-            neighbours[(b >> 2) as usize][(b & 3) as usize] = a >> 2;
-            i += 2;
-        }
-        Self { most, neighbours, piece: vec![0; items.len()], pieces: 1 }
+        Self { most, neighbours, piece: vec![0; items.len()], pieces: 1, room: items.to_vec(), here: Vec::new() }
     }
 
     fn split(mut self, items: &mut [Item], count: usize) -> Vec<usize> {
@@ -155,12 +154,36 @@ impl Small {
         }
         let most = [self.most * (count / 2), self.most * (count - count / 2)];
         if self.exchange(items, sides, most) {
-            items.sort_unstable_by_key(|item| (self.piece[item.triangle as usize], item.triangle));
-            first = items.partition_point(|item| self.piece[item.triangle as usize] == sides[0]);
+            first = self.sort(items, sides);
         }
         let (near, far) = items.split_at_mut(first);
         self.cut(near, count / 2, lens);
         self.cut(far, count - count / 2, lens);
+    }
+
+    /// Sorts by side, and each side by number. How many are on the first side.
+    fn sort(&mut self, items: &mut [Item], sides: [u32; 2]) -> usize {
+        self.here.clear();
+        self.here.resize(self.room.len().div_ceil(64), 0);
+        let mut first = 0;
+        for item in items.iter() {
+            let number = item.triangle as usize;
+            self.room[number] = *item;
+            self.here[number / 64] |= 1 << (number % 64);
+            first += usize::from(self.piece[number] == sides[0]);
+        }
+        let mut next = [0, first];
+        for (word, &bits) in self.here.iter().enumerate() {
+            let mut bits = bits;
+            while bits != 0 {
+                let number = 64 * word + bits.trailing_zeros() as usize;
+                bits &= bits - 1;
+                let place = &mut next[usize::from(self.piece[number] != sides[0])];
+                items[*place] = self.room[number];
+                *place += 1;
+            }
+        }
+        first
     }
 
     /// How many edges the cut loses when an item changes sides.

@@ -40,18 +40,24 @@ fn hash_of(p: DVec3) -> u64 {
 
 /// Each vertex's first twin: the vertex of least number at the same place.
 fn first_twins(positions: &[DVec3]) -> Vec<u32> {
-    let mut order: Vec<(u64, u32)> =
-        positions.par_iter().zip(0u32..positions.len() as u32).map(|(&p, i)| (hash_of(p), i)).collect();
-    order.par_sort_unstable();
-    let mut first: Vec<u32> = (0..positions.len() as u32).collect();
-    for run in order.chunk_by(|a, b| a.0 == b.0) {
-        for (k, &(_, i)) in run.iter().enumerate().skip(1) {
-            let place = place_of(positions[i as usize]);
-            let twin = run[..k].iter().find(|&&(_, j)| place_of(positions[j as usize]) == place);
-            first[i as usize] = twin.map_or(i, |&(_, j)| j);
+    let size = (2 * positions.len()).next_power_of_two();
+    // by hash, the first at each place; the next slot where another place has it
+    let mut slots = vec![NONE; size];
+    let find = |(i, &p): (usize, &DVec3)| {
+        let place = place_of(p);
+        let mut slot = (hash_of(p) >> 16) as usize & (size - 1);
+        loop {
+            match slots[slot] {
+                NONE => {
+                    slots[slot] = i as u32;
+                    return i as u32;
+                }
+                twin if place_of(positions[twin as usize]) == place => return twin,
+                _ => slot = (slot + 1) & (size - 1),
+            }
         }
-    }
-    first
+    };
+    positions.iter().enumerate().map(find).collect()
 }
 
 /// Turns a triangle so that its least corner comes first.

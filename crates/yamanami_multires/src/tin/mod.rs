@@ -18,3 +18,9 @@ pub use greedy::{GreedyOptions, GreedyTin, greedy};
 pub use levels::{Level, LevelOptions, collapse_levels};
 pub use lines::{LineEdges, line_edges};
 pub use mend::{Fault, Mended, MendedTin, mend, t_junctions};
+
+/// A number spread over 64 bits, so that sums and differences of such cancel out only where the numbers do.
+pub(crate) fn mixed(v: u32) -> u64 {
+    let x = (u64::from(v) + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    (x ^ x >> 29).wrapping_mul(0xBF58_476D_1CE4_E5B9)
+}

@@ -143,13 +143,21 @@ impl Look {
             let (mut inside, mut height, mut under) = (f64::NEG_INFINITY, 0.0, NONE);
             for wedge in &self.fan {
                 let (to_share, from_share) = (cross(wedge.from, p), cross(p, wedge.to));
-                let least = to_share.min(from_share).min(wedge.area2 - to_share - from_share);
-                if least >= 0.0 || least > inside * wedge.area2 {
-                    inside = least / wedge.area2;
+                let tip_share = wedge.area2 - to_share - from_share;
+                if to_share >= 0.0 && from_share >= 0.0 && tip_share >= 0.0 {
+                    (inside, under) = (0.0, wedge.triangle);
                     height = (from_share * wedge.from.z + to_share * wedge.to.z) / wedge.area2;
-                    under = wedge.triangle;
-                    if least >= 0.0 {
-                        break;
+                    break;
+                }
+            }
+            if under == NONE {
+                // in none: the one that it is least outside of
+                for wedge in &self.fan {
+                    let (to_share, from_share) = (cross(wedge.from, p), cross(p, wedge.to));
+                    let least = to_share.min(from_share).min(wedge.area2 - to_share - from_share);
+                    if least > inside * wedge.area2 {
+                        (inside, under) = (least / wedge.area2, wedge.triangle);
+                        height = (from_share * wedge.from.z + to_share * wedge.to.z) / wedge.area2;
                     }
                 }
             }

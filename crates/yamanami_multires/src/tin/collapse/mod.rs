@@ -9,6 +9,7 @@ mod look;
 mod net;
 mod points;
 mod quadric;
+mod queue;
 #[cfg(test)]
 mod tests;
 
@@ -18,8 +19,7 @@ use look::Look;
 use net::{Kind, NONE, Net, edge_key};
 use points::Points;
 use quadric::Quadric;
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+use queue::{Candidate, Queue};
 use yamanami_core::Snap;
 
 /// A new triangle's area in plan, twice, is at least this share of its longest side squared (about 1.5°), or no smaller
@@ -79,17 +79,6 @@ struct Way {
     place: DVec3,
 }
 
-/// An edge that may be collapsed, in one number, so that the heap is light: its cost, its ends, how often they had changed,
-/// and whether the cost was measured or only estimated. The cheapest comes first; ties go by number, so that there is one
-/// result.
-type Candidate = Reverse<u128>;
-
-fn candidate(cost: f32, [u, v]: [u32; 2], stamp: u32, is_measured: bool) -> Candidate {
-    // bits of floats that are not negative are in their order
-    let (cost, last) = (u128::from(cost.to_bits()), stamp << 1 | u32::from(is_measured));
-    Reverse(cost << 96 | u128::from(u) << 64 | u128::from(v) << 32 | u128::from(last))
-}
-
 /// A collapse under way. Places are relative to `origin`.
 struct Run<'a> {
     task: Task<'a>,
@@ -99,7 +88,7 @@ struct Run<'a> {
     /// How often a vertex changed: candidates of before are void.
     stamps: Vec<u32>,
     moved: Vec<bool>,
-    heap: BinaryHeap<Candidate>,
+    queue: Queue,
     chains: Chains,
     points: Points,
     look: Look,
@@ -134,7 +123,7 @@ impl<'a> Run<'a> {
             quadrics: vec![Quadric::default(); n],
             stamps: vec![0; n],
             moved: vec![false; n],
-            heap: BinaryHeap::with_capacity(2 * left),
+            queue: Queue::new(2 * left),
             chains: Chains::default(),
             points,
             look: Look::new(n),
@@ -149,17 +138,15 @@ impl<'a> Run<'a> {
                 self.quadrics[v as usize].add(&quadric);
             }
         }
-        let mut first = Vec::with_capacity(self.left * 2);
         for t in 0..self.net.triangles.len() {
             let [a, b, c] = self.net.triangles[t];
             for [u, v] in [[a, b], [b, c], [c, a]] {
                 // each edge from one side; a border edge has only one
                 if u < v || self.is_border(u, v) {
-                    first.extend(self.candidate(u.min(v), u.max(v)));
+                    self.push(u.min(v), u.max(v));
                 }
             }
         }
-        self.heap = BinaryHeap::from(first);
     }
 
     /// Whether the triangle that has u → v is alone at this edge. Only asked where the other side would have been too.
@@ -245,22 +232,24 @@ impl<'a> Run<'a> {
         Some((other, self.chains.stray_m(&self.net.positions, kept, gone, other)))
     }
 
-    fn candidate(&self, u: u32, v: u32) -> Option<Candidate> {
+    fn push(&mut self, u: u32, v: u32) {
         let cost = self.estimate(u, v) as f32;
-        (cost < f32::INFINITY).then(|| candidate(cost, [u, v], self.stamp(u, v), false))
+        if cost < f32::INFINITY {
+            self.queue.push(Candidate { cost, ends: [u, v], stamp: self.stamp(u, v), is_measured: false });
+        }
     }
 
     /// How often two vertices have changed.
     fn stamp(&self, u: u32, v: u32) -> u32 {
-        (self.stamps[u as usize].wrapping_add(self.stamps[v as usize])) & (u32::MAX >> 1)
+        self.stamps[u as usize].wrapping_add(self.stamps[v as usize])
     }
 
     fn work(&mut self) {
         while self.left > self.task.target {
-            let Some(Reverse(entry)) = self.heap.pop() else { return };
-            let (u, v, last) = ((entry >> 64) as u32, (entry >> 32) as u32, entry as u32);
+            let Some(candidate) = self.queue.pop() else { return };
+            let [u, v] = candidate.ends;
             let is_there = |i: u32| self.net.kinds[i as usize] != Kind::Gone;
-            if !(is_there(u) && is_there(v)) || self.stamp(u, v) != last >> 1 {
+            if !(is_there(u) && is_there(v)) || self.stamp(u, v) != candidate.stamp {
                 continue;
             }
             if !self.look.may_join(&self.net, u, v) {
@@ -268,21 +257,15 @@ impl<'a> Run<'a> {
             }
             let Some(way) = self.ways(u, v).find(|way| self.look.keeps_shape(&self.net, u, way)) else { continue };
             let (worst, area) = self.look.lift(&self.net, &self.points, u, &way);
-            if last & 1 == 0 {
-                let spike = (SPIKE * worst * area) as f32;
-                if spike > f32::from_bits((entry >> 96) as u32) {
-                    self.heap.push(candidate(spike, [u, v], last >> 1, true));
-                    continue;
-                }
+            let spike = (SPIKE * worst * area) as f32;
+            if !candidate.is_measured && spike > candidate.cost {
+                self.queue.push(Candidate { cost: spike, is_measured: true, ..candidate });
+                continue;
             }
             self.join(&way);
             self.look.put(&mut self.points);
             let mut look = std::mem::take(&mut self.look);
-            look.for_each_around(|n| {
-                if let Some(candidate) = self.candidate(way.kept.min(n), way.kept.max(n)) {
-                    self.heap.push(candidate);
-                }
-            });
+            look.for_each_around(|n| self.push(way.kept.min(n), way.kept.max(n)));
             self.look = look;
         }
     }

@@ -1,5 +1,6 @@
 //! The triangulation that a collapse works on: who is around a vertex, and what each vertex may do.
 
+use crate::tin::mixed;
 use glam::DVec3;
 use std::collections::HashMap;
 
@@ -48,18 +49,23 @@ impl Net {
             positions,
             triangles,
         };
+        // what leaves a vertex for another less what comes from there: nothing is left where its triangles close a ring
+        let mut left = vec![0u64; n];
         for t in (0..net.triangles.len()).rev() {
-            for (k, v) in net.triangles[t].into_iter().enumerate() {
-                let corner = (3 * t + k) as u32;
-                net.next[corner as usize] = net.head[v as usize];
-                net.head[v as usize] = corner;
+            let corners = net.triangles[t];
+            let mixed = corners.map(mixed);
+            for (k, v) in corners.into_iter().enumerate() {
+                let corner = 3 * t + k;
+                net.next[corner] = std::mem::replace(&mut net.head[v as usize], corner as u32);
+                let surplus = mixed[(k + 1) % 3].wrapping_sub(mixed[(k + 2) % 3]);
+                left[v as usize] = left[v as usize].wrapping_add(surplus);
             }
         }
-        net.find_kinds(is_locked, lines);
+        net.find_kinds(is_locked, &left, lines);
         net
     }
 
-    fn find_kinds(&mut self, is_locked: &[bool], lines: &[[u32; 2]]) {
+    fn find_kinds(&mut self, is_locked: &[bool], left: &[u64], lines: &[[u32; 2]]) {
         let mut on_lines: HashMap<u32, Vec<u32>> = HashMap::new();
         for &[a, b] in lines {
             on_lines.entry(a).or_default().push(b);
@@ -67,7 +73,6 @@ impl Net {
         }
         // around a vertex, each neighbour is where one triangle ends and the next begins; on the border it is one alone
         let mut around: Vec<(u32, i32)> = Vec::with_capacity(16);
-        let mut ring: Vec<[u32; 2]> = Vec::with_capacity(16);
         for v in 0..self.positions.len() as u32 {
             if self.head[v as usize] == NONE {
                 continue;
@@ -76,7 +81,7 @@ impl Net {
                 self.kinds[v as usize] = Kind::Fixed;
                 continue;
             }
-            if self.is_closed(v, &mut ring) && !on_lines.contains_key(&v) {
+            if left[v as usize] == 0 && (lines.is_empty() || !on_lines.contains_key(&v)) {
                 self.kinds[v as usize] = Kind::Free;
                 continue;
             }
@@ -109,20 +114,6 @@ impl Net {
                 _ => Kind::Fixed,
             };
         }
-    }
-
-    /// Whether the triangles around a vertex close one ring.
-    fn is_closed(&self, v: u32, ring: &mut Vec<[u32; 2]>) -> bool {
-        ring.clear();
-        ring.extend(self.star(v).map(|[_, from, to]| [from, to]));
-        let [first, mut at] = ring[0];
-        for _ in 1..ring.len() {
-            match ring.iter().find(|side| side[0] == at) {
-                Some(&[_, to]) if at != first => at = to,
-                _ => return false,
-            }
-        }
-        at == first
     }
 
     /// The corners of a vertex that are alive.

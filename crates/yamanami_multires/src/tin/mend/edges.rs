@@ -2,6 +2,7 @@
 
 use super::tree::{Rect, Tree};
 use super::{Fault, Faults, touch_m, vertex_place};
+use crate::tin::mixed;
 use glam::DVec2;
 use rayon::prelude::*;
 use std::collections::HashSet;
@@ -50,6 +51,23 @@ pub(super) fn repeated(triangles: &[[u32; 3]], alive: &[bool]) -> [Vec<u32>; 2] 
     [twice, crowded]
 }
 
+/// The edges with one face alone, ascending.
+fn border(mesh: &TriangleMesh) -> Vec<[u32; 2]> {
+    // what leaves a vertex for another less what comes from there: nothing is left inside
+    let mut left = vec![0u64; mesh.positions.len()];
+    for &[a, b, c] in &mesh.triangles {
+        let [ma, mb, mc] = [a, b, c].map(mixed);
+        for (v, out, back) in [(a, mb, mc), (b, mc, ma), (c, ma, mb)] {
+            left[v as usize] = left[v as usize].wrapping_add(out).wrapping_sub(back);
+        }
+    }
+    let at_border = |f: usize| mesh.triangles[f].iter().filter(|&&v| left[v as usize] != 0).count() > 1;
+    let sides = sides(&mesh.triangles, at_border);
+    let alone = sides.chunk_by(|a, b| a.0 == b.0).filter(|faces| faces.len() == 1);
+    let edges = alone.map(|face| [(face[0].0 >> 32) as u32, face[0].0 as u32]);
+    edges.filter(|edge| edge.iter().all(|&v| left[v as usize] != 0)).collect()
+}
+
 /// Tells of vertices of the border that lie within one of its edges in plan.
 pub(super) fn tell_t_junctions(mesh: &TriangleMesh, faults: &mut Faults) {
     let found = t_junctions(mesh);
@@ -62,12 +80,7 @@ pub(super) fn tell_t_junctions(mesh: &TriangleMesh, faults: &mut Faults) {
 /// Vertices of the border that lie in one of its edges in plan, nearer than a millimetre and no end of it, ascending, each
 /// with that edge: neighbours there share no edge, and would part if either moved.
 pub fn t_junctions(mesh: &TriangleMesh) -> Vec<(u32, [u32; 2])> {
-    let sides = sides(&mesh.triangles, |_| true);
-    let border: Vec<[u32; 2]> = sides
-        .chunk_by(|a, b| a.0 == b.0)
-        .filter(|faces| faces.len() == 1)
-        .map(|face| [(face[0].0 >> 32) as u32, face[0].0 as u32])
-        .collect();
+    let border = border(mesh);
     let mut vertices: Vec<u32> = border.as_flattened().to_vec();
     vertices.sort_unstable();
     vertices.dedup();
