@@ -105,7 +105,8 @@ enum CostName {
 }
 
 /// Endings of what can be written.
-const ENDINGS: [&str; 11] = ["xml", "landxml", "dxf", "2dm", "gpkg", "yama", "ply", "obj", "stl", "off", "glb"];
+pub(super) const ENDINGS: [&str; 11] =
+    ["xml", "landxml", "dxf", "2dm", "gpkg", "yama", "ply", "obj", "stl", "off", "glb"];
 
 pub(crate) fn run(args: &TinArgs) -> Result<(), Failure> {
     inputs::check_output(&args.output, &ENDINGS, &args.sources)?;
