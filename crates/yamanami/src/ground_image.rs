@@ -39,14 +39,7 @@ impl GroundImage {
     /// Reads a picture (PNG, JPEG or TIFF), within the limits if any, and its world file if there is one (`.wld`, `.pgw`,
     /// `.jgw`, `.pngw`, `.jpgw`, `.tfw`).
     pub fn read(path: &Path, limits: Option<image::Limits>) -> Result<Self, Error> {
-        let io = |e| IoError::io(path, e);
-        let mut reader = image::ImageReader::open(path).map_err(io)?.with_guessed_format().map_err(io)?;
-        if let Some(limits) = limits {
-            reader.limits(limits);
-        }
-        let picture = |source| Error::Picture { path: path.to_owned(), source };
-        let image = reader.decode().map_err(picture)?.into_rgba8();
-        Ok(Self { path: path.to_owned(), image, world: world_file(path)? })
+        Ok(Self { path: path.to_owned(), image: read_picture(path, limits)?, world: world_file(path)? })
     }
 
     /// The picture laid over a surface.
@@ -148,6 +141,17 @@ impl GroundImage {
 fn uv(place: &UvFromLocal, p: DVec3) -> DVec2 {
     let [u, v] = place.map(|[a, b, c]| a * p.x + b * p.y + c);
     DVec2::new(u, v)
+}
+
+/// Reads a picture (PNG, JPEG or TIFF), within the limits if any.
+pub fn read_picture(path: &Path, limits: Option<image::Limits>) -> Result<RgbaImage, Error> {
+    let io = |e| IoError::io(path, e);
+    let mut reader = image::ImageReader::open(path).map_err(io)?.with_guessed_format().map_err(io)?;
+    if let Some(limits) = limits {
+        reader.limits(limits);
+    }
+    let picture = |source| Error::Picture { path: path.to_owned(), source };
+    Ok(reader.decode().map_err(picture)?.into_rgba8())
 }
 
 /// A picture no larger than graphics hardware takes.

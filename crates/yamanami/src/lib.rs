@@ -57,7 +57,7 @@ pub use extract::{Extracted, Frame, extract, to_frame};
 pub use flight::{FlightMode, FlightOptions, FrameStats, Lod, fly};
 pub use flight_report::{FlightSummary, summary, write_flight_plots};
 pub use full_surface::{FullSurface, finest_mesh};
-pub use ground_image::GroundImage;
+pub use ground_image::{GroundImage, read_picture};
 pub use hide::{Closing, SeenSide, close, seen_side};
 pub use hiraoka::hiraoka;
 pub use large::{LargeOptions, LargeReport, LargeTarget, reduce_large};

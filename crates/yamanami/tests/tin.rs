@@ -216,8 +216,8 @@ fn stored_errors_bound_every_level_and_view() {
 
 /// Culled and unculled fronts of random poses, held against each other: how many triangles were seen, how many lost.
 fn culling(poses: usize, seed: u64) -> [usize; 2] {
-    let tin = surveyed([420.0, 300.0], 15.0, seed);
-    let options = ClusterOptions { cluster_triangles: 20, group_clusters: 5, ..ClusterOptions::default() };
+    let tin = surveyed([210.0, 150.0], 15.0, seed);
+    let options = ClusterOptions { cluster_triangles: 12, group_clusters: 4, ..ClusterOptions::default() };
     let surface = build_tin(&tin, None, &options).unwrap().into_surface().unwrap();
     let (mut all, mut culled) = (Controller::new(&surface), Controller::new(&surface));
     let mut rng = Rng::new(seed);
@@ -278,4 +278,22 @@ fn a_store_that_fails_leaves_the_old_file() {
     assert!(std::fs::read(&path).unwrap() != before);
     assert_eq!(files(), 1);
     assert_same(&Model::open(&path, &|_| ()).unwrap().whole_tin().unwrap(), &other, "stored anew");
+}
+
+#[test]
+fn a_damaged_database_is_an_error_or_the_same_tin() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.yama");
+    let tin = surveyed([150.0, 120.0], 15.0, 9);
+    built(&tin).store_as(&path, &ModelStoreOptions::default(), &|_| ()).unwrap();
+    let whole = std::fs::read(&path).unwrap();
+    let mut refused = 0;
+    for at in (0..whole.len()).step_by(53) {
+        let mut bytes = whole.clone();
+        bytes[at] ^= [0xff, 0x01, 0x80][at % 3];
+        std::fs::write(&path, &bytes).unwrap();
+        let read = Model::open(&path, &|_| ()).and_then(|mut model| model.whole_tin());
+        refused += usize::from(read.is_err());
+    }
+    assert!(refused > 20, "{refused} of {}", whole.len() / 53);
 }

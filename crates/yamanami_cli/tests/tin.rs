@@ -265,8 +265,7 @@ fn what_is_no_tin_is_told_in_one_line() {
             assert!(line.contains(told), "{command}: {line}");
             nothing_at(folder, "out");
         }
-        let code = if name == "grid.xml" { 2 } else { 1 };
-        error(folder, &format!("tin {name} -o out.yama"), code);
+        assert!(error(folder, &format!("tin {name} -o out.yama"), 1).contains(told));
         nothing_at(folder, "out");
     }
     assert!(error(folder, "build ok.xml html.xml -o out.yama", 2).contains("stands alone"));
@@ -280,6 +279,13 @@ fn what_is_no_tin_is_told_in_one_line() {
     std::fs::copy(folder.join("ok.xml"), folder.join("ok.abc")).unwrap();
     assert!(error(folder, "tin ok.abc -o out.yama", 1).contains("ok.abc"));
     write(folder, "two.csv", "0,0,1\n10,0,2\n");
+    for command in [
+        "render two.csv -o out.png",
+        "extract two.csv --tolerance 1 -o out.ply",
+        "fly two.csv --no-draw",
+    ] {
+        assert!(error(folder, command, 1).contains("two.csv: points are no surface yet: yamanami tin"));
+    }
     assert!(error(folder, "tin two.csv -o out.yama", 1).contains("two.csv: no triangle can be made of 2 points"));
     nothing_at(folder, "out");
 }

@@ -44,7 +44,9 @@ impl Piece<'_> {
     }
 }
 
-/// Sums over all pieces that the surfaces share, one a chunk of the first surface's triangles, in their order.
+/// Sums over all pieces that the surfaces share, one a chunk of the first surface's triangles, in their order. A triangle
+/// that both have is held against itself alone: neighbours that reach over it by a hair, as borders do that were
+/// projected, do not tell the surfaces apart.
 pub(super) fn fold<S: Default + Send>(
     first: &TriangleMesh,
     second: &PlanIndex<'_>,
@@ -56,11 +58,33 @@ pub(super) fn fold<S: Default + Send>(
         .map(|chunk| {
             let (mut sums, mut clip) = (S::default(), Clip::default());
             for t in chunk * CHUNK..first.triangles.len().min((chunk + 1) * CHUNK) {
-                clip.pieces(first, t as u32, second, |_, piece| add(&mut sums, piece));
+                let twin = twin(first, t, second);
+                clip.pieces(first, t as u32, second, |other, piece| {
+                    if twin.is_none_or(|twin| twin == other) {
+                        add(&mut sums, piece);
+                    }
+                });
             }
             sums
         })
         .collect()
+}
+
+/// The triangle of `second` with the very corners of a triangle of `first`.
+fn twin(first: &TriangleMesh, t: usize, second: &PlanIndex<'_>) -> Option<u32> {
+    let own = first.corners(t);
+    let bounds = PlanBox::of(plan_corners(first, t as u32));
+    let mut found = None;
+    second.visit(
+        |b| b.meets(&bounds),
+        |other| {
+            let theirs = second.mesh().corners(other as usize);
+            if own.iter().all(|p| theirs.contains(p)) && theirs.iter().all(|p| own.contains(p)) {
+                found = found.or(Some(other));
+            }
+        },
+    );
+    found
 }
 
 /// Plan area that triangles of a surface share with others of it, square metres.
