@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use yamanami::core::{Crs, TriangleMesh, View};
 use yamanami::gpu::Gpu;
 use yamanami::io::dem;
+use yamanami::io::tin_file::TinReadOptions;
 use yamanami::{Criteria, DrawWith, Lod, OpenOptions, Staircase, Subject, ViewCriterion, turn_back_y_up, turn_y_up};
 
 /// How to read sources that do not say all about themselves.
@@ -36,6 +37,24 @@ impl ReadingArgs {
             ..dem::OpenOptions::default()
         };
         OpenOptions { dem }
+    }
+}
+
+/// What to take of a TIN file, and what it does not say.
+#[derive(Debug, Clone, Default, Args)]
+#[command(next_help_heading = "Reading")]
+pub(crate) struct TinReadingArgs {
+    /// Which surface of a TIN file, by name; else the largest
+    #[arg(long, value_name = "NAME")]
+    surface: Option<String>,
+    /// Metres in a unit of a TIN file's coordinates, over what it says: 0.3048 for feet
+    #[arg(long, value_name = "M", value_parser = values::positive)]
+    unit: Option<f64>,
+}
+
+impl TinReadingArgs {
+    pub(crate) fn options(&self) -> TinReadOptions {
+        TinReadOptions { surface: self.surface.clone(), unit_m: self.unit, ..TinReadOptions::default() }
     }
 }
 

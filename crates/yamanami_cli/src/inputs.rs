@@ -67,12 +67,11 @@ pub(crate) fn mesh(path: &Path) -> Result<TriangleMesh, Failure> {
 pub(crate) fn full_surface(
     sources: &[PathBuf],
     reading: &ReadingArgs,
-    surface: Option<&str>,
+    tin: &TinReadOptions,
 ) -> Result<FullSurface, Failure> {
-    let tin = TinReadOptions { surface: surface.map(str::to_owned), ..TinReadOptions::default() };
     let full = {
         let bar = Bar::shares("opening");
-        FullSurface::open(sources, &reading.options(), &tin, &|share| bar.set_share(share))?
+        FullSurface::open(sources, &reading.options(), tin, &|share| bar.set_share(share))?
     };
     full.notes.iter().for_each(|line| note(&format!("note: {line}")));
     if full.mesh.triangles.is_empty() {

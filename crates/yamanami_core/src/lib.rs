@@ -31,5 +31,5 @@ pub use semi_regular::{BaseEdge, BaseFault, BaseMesh, Place, SemiRegular, Side};
 pub use sink::{MeshMirror, Sink, SurfaceVertex, TriangleKey, VertexId};
 pub use source::{HeightSource, Window};
 pub use terrain_page::{ErrorCode, PAGE_CELLS, PageId, TerrainPage};
-pub use tin::{Breakline, BreaklineKind, FOOT_M, Snap, Tin, US_SURVEY_FOOT_M};
+pub use tin::{Breakline, BreaklineKind, FOOT_M, Snap, SnapFinder, Tin, US_SURVEY_FOOT_M};
 pub use view::{Frustum, Perspective, Projection, Sight, View};

@@ -100,23 +100,53 @@ impl Snap {
         DVec3::from_array(p.to_array().map(|x| self.metres(self.steps(x)) + 0.0))
     }
 
-    /// The lattice that all these coordinates lie on exactly, or else a fine one of halves of a metre that they do not;
-    /// `unit_m` is that of their file. No coordinate is more than 2³⁰ steps from another.
+    /// The lattice of these coordinates; `unit_m` is that of their file. See [`SnapFinder`].
     pub fn of(positions: &[DVec3], unit_m: f64) -> Self {
-        let mut low = DVec3::INFINITY;
-        let mut high = DVec3::NEG_INFINITY;
-        for &p in positions {
-            low = low.min(p);
-            high = high.max(p);
+        let mut finder = SnapFinder::new(unit_m);
+        positions.iter().for_each(|&p| finder.include(p));
+        finder.finish()
+    }
+}
+
+/// Finds the lattice that coordinates lie on as they come: the coarsest of decimals that all lie on exactly, or else a
+/// fine one of halves of a metre that they do not. No coordinate is more than 2³⁰ steps from another.
+#[derive(Debug, Clone)]
+pub struct SnapFinder {
+    candidates: Vec<Snap>,
+    unit_m: f64,
+    low: DVec3,
+    high: DVec3,
+}
+
+impl SnapFinder {
+    /// For coordinates of a file in such units.
+    pub fn new(unit_m: f64) -> Self {
+        let candidates = (0..=MOST_DECIMALS).map(|k| Snap { unit_m, per_unit: 10f64.powi(k) }).collect();
+        Self { candidates, unit_m, low: DVec3::INFINITY, high: DVec3::NEG_INFINITY }
+    }
+
+    /// Looks at a place.
+    pub fn include(&mut self, p: DVec3) {
+        self.low = self.low.min(p);
+        self.high = self.high.max(p);
+        // the first is the coarsest: mostly it is the one
+        while let Some(snap) = self.candidates.first()
+            && snap.place(p) != p
+        {
+            self.candidates.remove(0);
         }
-        let extent_m = (high - low).max_element().max(0.0);
-        let fits = |s: &Self| extent_m / s.unit_m * s.per_unit < MOST_STEPS;
-        let is_on = |s: &Self| positions.iter().all(|&p| s.place(p) == p);
-        let decimals = (0..=MOST_DECIMALS).map(|k| Self { unit_m, per_unit: 10f64.powi(k) });
-        decimals.filter(fits).find(is_on).unwrap_or_else(|| {
-            let finest = (MOST_STEPS / extent_m.max(f64::MIN_POSITIVE)).log2().floor();
-            Self { unit_m: 1.0, per_unit: finest.min(USUAL_HALVINGS).exp2() }
-        })
+    }
+
+    /// The lattice.
+    pub fn finish(&self) -> Snap {
+        let extent_m = (self.high - self.low).max_element().max(0.0);
+        match self.candidates.first() {
+            Some(&snap) if extent_m / self.unit_m * snap.per_unit < MOST_STEPS => snap,
+            _ => {
+                let finest = (MOST_STEPS / extent_m.max(f64::MIN_POSITIVE)).log2().floor();
+                Snap { unit_m: 1.0, per_unit: finest.min(USUAL_HALVINGS).exp2() }
+            }
+        }
     }
 }
 

@@ -127,6 +127,38 @@ impl Scratch {
     }
 }
 
+impl Scratch {
+    /// Appends bytes to a stream, packed; a stream is either packed or not.
+    pub fn append_packed(&self, stream: usize, bytes: &[u8]) -> Result<(), IoError> {
+        if bytes.is_empty() {
+            return Ok(());
+        }
+        let packed = zstd::bulk::compress(bytes, 1).map_err(|e| self.failed(e))?;
+        let head = [bytes.len() as u64, packed.len() as u64].map(u64::to_le_bytes);
+        // in one piece: another thread may append to it, too
+        self.append(stream, &[head.as_flattened(), &packed].concat())
+    }
+
+    /// All bytes of a packed stream.
+    pub fn read_packed(&self, stream: usize) -> Result<Vec<u8>, IoError> {
+        let mut packed = Vec::with_capacity(self.len(stream) as usize);
+        let mut buffer = vec![0; 1 << 20];
+        self.read(stream, 1, &mut buffer, &mut |bytes| {
+            packed.extend_from_slice(bytes);
+            Ok::<_, IoError>(())
+        })?;
+        let mut all = Vec::new();
+        let mut rest = packed.as_slice();
+        while let Some((head, more)) = rest.split_first_chunk::<16>() {
+            let word = |at: usize| u64::from_le_bytes(std::array::from_fn(|k| head[at + k])) as usize;
+            let (block, after) = more.split_at(word(8).min(more.len()));
+            all.extend(zstd::bulk::decompress(block, word(0)).map_err(|e| self.failed(e))?);
+            rest = after;
+        }
+        Ok(all)
+    }
+}
+
 /// A file in a folder that no one else sees and that is gone when it is closed.
 pub(crate) fn unnamed(folder: &Path) -> Result<File, IoError> {
     // the folder of a bare file name is an empty path

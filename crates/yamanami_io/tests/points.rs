@@ -32,6 +32,7 @@ fn tables_of_any_layout() {
         "1,10.5,20.25,3,peg\n2,11.5,21.25,-0.4,peg\n",
         "A1 10.5 20.25 3\nA2 11.5 21.25 -0.4\n",
         "Point,Northing,Easting,Elevation,Code\n1,20.25,10.5,3,GR\n2,21.25,11.5,-0.4,GR\n",
+        "点番,点名,X座標,Y座標,標高\n1,T1,20.25,10.5,3\n2,T2,21.25,11.5,-0.4\n",
         "点名,北,東,標高\nT1,20.25,10.5,3\nT2,21.25,11.5,-0.4\n",
         "\"z\",\"x\",\"y\"\n\"3\",\"10.5\",\"20.25\"\n-0.4,11.5,21.25\n",
     ] {
@@ -41,9 +42,14 @@ fn tables_of_any_layout() {
 
 #[test]
 fn names_in_shift_jis() {
-    let bytes = b"\x93_\x96\xbc,\x96\x6b,\x93\x8c,\x95\x57\x8d\x82\nT1,20,10,3\n";
-    let read = read("a.csv", bytes, &PointReadOptions::default()).unwrap();
-    assert_eq!(read.points_m, [DVec3::new(10.0, 20.0, 3.0)]);
+    for header in [
+        &b"\x93_\x96\xbc,\x96\x6b,\x93\x8c,\x95\x57\x8d\x82"[..],
+        b"No,X\x8d\xc0\x95\x57,Y\x8d\xc0\x95\x57,Z\x8d\xc0\x95\x57",
+    ] {
+        let bytes = [header, b"\nT1,20,10,3\n"].concat();
+        let read = read("a.csv", &bytes, &PointReadOptions::default()).unwrap();
+        assert_eq!(read.points_m, [DVec3::new(10.0, 20.0, 3.0)]);
+    }
 }
 
 #[test]

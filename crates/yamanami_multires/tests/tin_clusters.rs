@@ -3,10 +3,10 @@
 use glam::{DVec2, DVec3};
 use std::collections::{HashMap, HashSet};
 use yamanami_core::{
-    ActiveSet, Breakline, BreaklineKind, Hierarchy, NodeId, Sink, Snap, Surface, SurfaceVertex, Tin, TriangleKey,
-    TriangleMesh, VertexId,
+    Breakline, BreaklineKind, Hierarchy, NodeId, Sink, Snap, Surface, SurfaceVertex, Tin, TriangleKey, TriangleMesh,
+    VertexId,
 };
-use yamanami_multires::cluster::{ClusterOptions, ClusterSurface, build_tin};
+use yamanami_multires::cluster::{ClusterOptions, ClusterSurface, build_tile, build_tin, join_tiles};
 use yamanami_multires::tin::line_edges;
 use yamanami_testkit::laws::hierarchy_law;
 use yamanami_testkit::{RandomFront, Rng, Step};
@@ -159,13 +159,54 @@ fn border(tin: &Tin) -> HashSet<[u64; 3]> {
     open.flat_map(|&(a, b)| [a, b]).map(|v| tin.mesh.positions[v as usize].to_array().map(f64::to_bits)).collect()
 }
 
+/// The same built in tiles of so many metres that are joined.
+fn glued(tin: &Tin, tile_m: f64) -> ClusterSurface {
+    let options = ClusterOptions { cluster_triangles: 20, group_clusters: 5, ..ClusterOptions::default() };
+    let tile_of = |p: DVec3| [(p.x / tile_m).floor() as i64, (p.y / tile_m).floor() as i64];
+    let mut tiles: std::collections::BTreeMap<[i64; 2], Vec<[u32; 3]>> = std::collections::BTreeMap::new();
+    let mut user: HashMap<u32, [i64; 2]> = HashMap::new();
+    let mut shared = HashSet::new();
+    for t in &tin.mesh.triangles {
+        let tile = tile_of(t.iter().map(|&v| tin.mesh.positions[v as usize]).sum::<DVec3>() / 3.0);
+        tiles.entry(tile).or_default().push(*t);
+        for &v in t {
+            if *user.entry(v).or_insert(tile) != tile {
+                shared.insert(tin.mesh.positions[v as usize].to_array().map(f64::to_bits));
+            }
+        }
+    }
+    assert!(tiles.len() > 3);
+    let is_shared = |p: DVec3| shared.contains(&p.to_array().map(f64::to_bits));
+    let mut built: Vec<_> = tiles
+        .into_values()
+        .map(|triangles| {
+            let mesh = TriangleMesh::new(tin.mesh.positions.clone(), triangles);
+            let part = Tin { mesh, ..tin.clone() };
+            build_tile(&part, &is_shared, Some(SNAP), &options).unwrap()
+        })
+        .collect();
+    let tops: Vec<_> = built.iter_mut().map(|tile| tile.take_top()).collect();
+    let above = join_tiles(&tops, Some(SNAP), &options).unwrap();
+    let mut whole = above.build;
+    for (seam, mut tile) in above.seams.iter().zip(built) {
+        seam.place_nodes(&mut tile.build.nodes);
+        tile.build.pages.iter_mut().for_each(|page| seam.place_page(page));
+        whole.nodes.extend(tile.build.nodes);
+        whole.pages.extend(tile.build.pages);
+    }
+    whole.into_surface().unwrap()
+}
+
 /// Walks over random legal fronts, and looks at each: no crack, no T-vertex, nothing turned over.
 fn walk(tin: &Tin, fronts: usize) {
-    let surface = surface(tin);
+    walk_on(&surface(tin), tin, fronts);
+}
+
+fn walk_on(surface: &ClusterSurface, tin: &Tin, fronts: usize) {
     let border = border(tin);
     let mut sink = Watertight::default();
     surface.emit_base(&mut sink);
-    let mut front = RandomFront::new(&surface, 5);
+    let mut front = RandomFront::new(surface, 5);
     for n in 0..fronts {
         // tides, so that coarse, fine and mixed fronts all come
         let refine = if n / 400 % 2 == 0 { 0.62 } else { 0.38 };
@@ -212,9 +253,16 @@ fn a_third_of_a_million_fronts_with_holes_and_islands_have_no_crack() {
 }
 
 #[test]
+fn tiles_that_were_joined_have_no_crack() {
+    walk_on(&glued(&with_lines(30, 26, 4), 31.0), &with_lines(30, 26, 4), 20_000);
+    walk_on(&glued(&ragged(30, 30, 6), 27.0), &ragged(30, 30, 6), 20_000);
+}
+
+#[test]
 fn the_laws_hold_and_the_full_front_is_the_source() {
-    for tin in [hills(40, 30, 7), with_lines(33, 25, 8), ragged(40, 40, 9)] {
-        let surface = surface(&tin);
+    let grounds = [hills(40, 30, 7), with_lines(33, 25, 8), ragged(40, 40, 9)];
+    let alone = grounds.iter().map(|tin| (tin, surface(tin)));
+    for (tin, surface) in alone.chain(grounds.iter().map(|tin| (tin, glued(tin, 40.0)))) {
         hierarchy_law(&surface);
         let full = surface.mesh_of(&|n: NodeId| surface.exists(n));
         let faces = |mesh: &TriangleMesh| {
@@ -246,8 +294,8 @@ fn height(mesh: &TriangleMesh, p: DVec2) -> Option<f64> {
 
 #[test]
 fn no_place_is_further_off_than_the_error_says_and_breaklines_stay() {
-    for (tin, seed) in [(hills(30, 24, 11), 1), (with_lines(28, 26, 12), 2)] {
-        let surface = surface(&tin);
+    for (tin, seed) in [(hills(30, 24, 11), 1), (with_lines(28, 26, 12), 2), (with_lines(28, 26, 13), 3)] {
+        let surface = if seed == 3 { glued(&tin, 30.0) } else { surface(&tin) };
         let mut rng = Rng::new(seed);
         for tolerance_m in [0.05f32, 0.3, 1.0, 3.0] {
             let mesh = surface.mesh_of(&|n: NodeId| surface.error_m(n) > tolerance_m);

@@ -151,6 +151,20 @@ fn rings_keep_the_inside_and_rings_in_them_are_holes() {
 }
 
 #[test]
+fn a_line_without_heights_disputes_none() {
+    let ring = line(
+        "site",
+        BreaklineKind::Boundary,
+        &[[0.5, 0.5, f64::NAN], [8.5, 0.5, f64::NAN], [8.5, 8.5, f64::NAN], [0.5, 8.5, f64::NAN]],
+    );
+    let made =
+        triangulate(&grid(), &[ring, hard("dam", &[[0.2, 4.3, 7.0], [8.9, 4.4, 7.0]])], &DelaunayOptions::default())
+            .unwrap();
+    assert_eq!(made.notes, Vec::<String>::new());
+    assert_eq!(made.tin.mesh.positions.iter().filter(|p| p.z == 7.0).count(), 2, "its crossings: the ends are outside");
+}
+
+#[test]
 fn long_triangles_are_left_out_on_request() {
     let mut points = grid();
     points.push(DVec3::new(60.0, 4.0, 0.0));

@@ -1,14 +1,16 @@
 //! The drawing step timed and checked on a ground of some size: brute force, the paper's rule, the one that loses nothing.
 
-use super::engine::{EngineRow, engine};
-use super::ground::{THRESHOLDS_M, grid, paper_view};
-use super::pictures::{Pictures, full_picture};
+use super::engine::{EngineFound, engine};
+use super::ground::{grid, own_block_view, paper_view, thresholds_m};
+use super::pictures::{full_picture, levels_picture};
+use super::{DRAWN, file_name};
 use crate::{Culling, DrawCounts, Error, TinDrawing, seen_triangles};
 use std::collections::{HashMap, HashSet};
+use std::path::Path;
 use std::time::Instant;
-use yamanami_core::TriangleMesh;
+use yamanami_core::{Frustum, TriangleMesh};
 use yamanami_measure::{FLIP_PIXELS_PER_DEGREE, flip, ssim};
-use yamanami_multires::tin_block::{CostReading, TinBlocks, centroid_chain};
+use yamanami_multires::tin_block::{TinBlocks, centroid_chain};
 
 /// The three ways, with their names in tables.
 pub(super) const CULLINGS: [(Culling, &str); 3] = [
@@ -59,20 +61,21 @@ pub(super) struct SizeFound {
     pub(super) levels: Vec<(usize, f64)>,
     pub(super) rows: Vec<DrawRow>,
     pub(super) gaps: Gaps,
-    pub(super) engine: Option<EngineRow>,
+    pub(super) engine: EngineFound,
 }
 
-/// Builds and draws a ground. Pictures of the paper's size are handed to `keep`.
+/// Builds and draws a ground. Pictures of one of the paper's size are written into `out`.
 pub(super) fn measure(
     tin: &TriangleMesh,
     copies: usize,
+    out: &Path,
     progress: &dyn Fn(&str),
-    keep: &mut dyn FnMut(&TinBlocks, &TinDrawing, Culling, Pictures) -> Result<(), Error>,
 ) -> Result<SizeFound, Error> {
     let title = format!("{} triangles", tin.triangles.len());
     progress(&format!("{title}: levels"));
     let start = Instant::now();
-    let chain = centroid_chain(tin, THRESHOLDS_M.len() + 1, CostReading::Plain)?;
+    let thresholds_m = thresholds_m(copies);
+    let chain = centroid_chain(tin, thresholds_m.len() + 1, DRAWN)?;
     let chain_s = start.elapsed().as_secs_f64();
     progress(&format!("{title}: blocks"));
     let start = Instant::now();
@@ -83,21 +86,18 @@ pub(super) fn measure(
     let frustum = view.frustum();
     progress(&format!("{title}: the picture of all"));
     let full = full_picture(tin, &view)?;
-    let mut drawing = TinDrawing::new(THRESHOLDS_M.to_vec());
+    if copies == 1 {
+        full.save_itself(tin, &view, out)?;
+    }
+    let mut drawing = TinDrawing::new(thresholds_m);
     let mut rows = Vec::new();
     for (culling, name) in CULLINGS {
         progress(&format!("{title}: {name}"));
         let mut counts = DrawCounts::default();
         let median_ms = median_ms(|| counts = drawing.draw(&blocks, &view, culling));
-        let (mut lost_triangles, mut lost_blocks) = (0, 0);
-        for block in 0..blocks.grid().len() {
-            let drawn: HashSet<_> = drawing.triangles_of(block).iter().collect();
-            let seen = seen_triangles(&blocks, block, drawing.shown(), &frustum);
-            let lost = seen.iter().filter(|&triangle| !drawn.contains(triangle)).count();
-            lost_triangles += lost;
-            lost_blocks += usize::from(lost > 0 && lost == seen.len());
-        }
-        let picture = full.like(&blocks.compact(drawing.triangles()), &view)?;
+        let [lost_triangles, lost_blocks] = lost(&blocks, &drawing, &frustum);
+        let mesh = blocks.compact(drawing.triangles());
+        let picture = full.like(&mesh, &view)?;
         rows.push(DrawRow {
             name,
             median_ms,
@@ -105,16 +105,51 @@ pub(super) fn measure(
             counts,
             lost_triangles,
             lost_blocks,
-            ssim: ssim(&full.picture, &picture)?,
-            flip: flip(&full.picture, &picture, FLIP_PIXELS_PER_DEGREE)?.mean,
+            ssim: ssim(full.picture(), &picture)?,
+            flip: flip(full.picture(), &picture, FLIP_PIXELS_PER_DEGREE)?.mean,
         });
-        keep(&blocks, &drawing, culling, Pictures { full: full.picture.clone(), drawn: picture })?;
+        if copies == 1 && culling != Culling::BruteForce {
+            full.save(&mesh, &picture, &view, out, file_name(culling))?;
+            levels_picture(&blocks, &drawing, &view, &out.join(format!("levels_{}.png", file_name(culling))))?;
+        }
     }
     let gaps = gaps(&blocks, drawing.shown());
     let levels = (0..blocks.levels()).map(|l| (blocks.triangle_count(l), blocks.error_m(l))).collect();
-    let blocks = blocks.grid().len();
-    let engine = engine(tin, &view, &full, progress)?;
-    Ok(SizeFound { copies, blocks, chain_s, blocks_s, levels, rows, gaps, engine })
+    let count = blocks.grid().len();
+    drop(blocks);
+    progress(&format!("{title}: the engine"));
+    let engine = engine(tin, &view, &full, drawing.triangles().len())?;
+    Ok(SizeFound { copies, blocks: count, chain_s, blocks_s, levels, rows, gaps, engine })
+}
+
+/// How many triangles, and blocks with all their triangles, are seen at the levels that were chosen, and not drawn.
+fn lost(blocks: &TinBlocks, drawing: &TinDrawing, frustum: &Frustum) -> [usize; 2] {
+    let mut lost = [0, 0];
+    for block in 0..blocks.grid().len() {
+        let drawn: HashSet<_> = drawing.triangles_of(block).iter().collect();
+        let seen = seen_triangles(blocks, block, drawing.shown(), frustum);
+        let missing = seen.iter().filter(|&triangle| !drawn.contains(triangle)).count();
+        lost[0] += missing;
+        lost[1] += usize::from(missing > 0 && missing == seen.len());
+    }
+    lost
+}
+
+/// What the paper's rule draws from the middle of a block, as a picture beside that of the conservative one; gives the
+/// triangles and whole blocks that it loses.
+pub(super) fn own_block(tin: &TriangleMesh, out: &Path) -> Result<[usize; 2], Error> {
+    let (view, thresholds_m) = (own_block_view(), thresholds_m(1));
+    let blocks = TinBlocks::new(&centroid_chain(tin, thresholds_m.len() + 1, DRAWN)?, grid(1)?)?;
+    let full = full_picture(tin, &view)?;
+    let mut drawing = TinDrawing::new(thresholds_m);
+    let mut losses = [0, 0];
+    for culling in [Culling::Conservative, Culling::Faithful] {
+        drawing.draw(&blocks, &view, culling);
+        losses = lost(&blocks, &drawing, &view.frustum());
+        let mesh = blocks.compact(drawing.triangles());
+        full.save_triangles(&mesh, &view, &out.join(format!("own_block_{}.png", file_name(culling))))?;
+    }
+    Ok(losses)
 }
 
 /// Median time of a job in milliseconds.

@@ -13,8 +13,8 @@ pub(super) const COLUMNS: usize = 6;
 pub(super) const ROWS: usize = 4;
 /// The paper's triangles, after the cut.
 pub(super) const PAPER_TRIANGLES: usize = 41_797;
-/// The paper's distances to the levels 1/2 and 1/4.
-pub(super) const THRESHOLDS_M: [f64; 2] = [1000.0, 2000.0];
+/// The paper's distance to the level 1/2; to each further level it is twice as far.
+const THRESHOLD_M: f64 = 1000.0;
 const PICTURE_PX: [u32; 2] = [1024, 768];
 
 /// A TIN of the field that has about the paper's triangles once it is cut, its south-west corner at (0, 0).
@@ -41,6 +41,13 @@ pub(super) fn grid(copies: usize) -> Result<BlockGrid, Error> {
     Ok(BlockGrid::new(DVec2::ZERO, DVec2::splat(BLOCK_M), [COLUMNS * copies, ROWS * copies])?)
 }
 
+/// The paper's distances to the levels 1/2 and 1/4, and more of the kind as far as a larger ground reaches: the paper leaves
+/// the number of levels to the area.
+pub(super) fn thresholds_m(copies: usize) -> Vec<f64> {
+    let diagonal_m = BLOCK_M * (COLUMNS as f64).hypot(ROWS as f64) * copies as f64;
+    std::iter::successors(Some(THRESHOLD_M), |m| Some(2.0 * m)).take_while(|&m| m < diagonal_m).collect()
+}
+
 /// `copies` by `copies` of a ground side by side, every other one mirrored, so that they meet without a step.
 pub(super) fn mirrored(tin: &TriangleMesh, copies: usize) -> TriangleMesh {
     let extent = DVec2::new(COLUMNS as f64 * BLOCK_M, ROWS as f64 * BLOCK_M);
@@ -51,7 +58,7 @@ pub(super) fn mirrored(tin: &TriangleMesh, copies: usize) -> TriangleMesh {
     for (row, column) in (0..copies).flat_map(|row| (0..copies).map(move |column| (row, column))) {
         let turned = |v: f64, length: f64, nth: usize| {
             let start = nth as f64 * length;
-            if nth % 2 == 0 { start + v } else { start + (length - v) }
+            if nth.is_multiple_of(2) { start + v } else { start + (length - v) }
         };
         let numbers: Vec<u32> = tin
             .positions
@@ -83,6 +90,20 @@ pub(super) fn paper_view() -> View {
     View { eye, target, fov_y_rad: std::f64::consts::FRAC_PI_4, viewport_px: PICTURE_PX }
 }
 
+/// The paper's eye with a view 45° wide that has neither top nor bottom: what its rule does in plan.
+pub(super) fn view_in_plan() -> View {
+    // so high that its planes above and below are upright
+    let fov_y_rad = 2.0 * 1000f64.atan();
+    View { fov_y_rad, viewport_px: [4_142, 10_000_000], ..paper_view() }
+}
+
+/// An eye over the middle of a block that looks east and 20° down: the block that it is in has no corner in view.
+pub(super) fn own_block_view() -> View {
+    let eye = DVec3::new(2.5 * BLOCK_M, 2.5 * BLOCK_M, 100.0);
+    let fall = 20f64.to_radians();
+    View { eye, target: eye + DVec3::new(fall.cos(), 0.0, -fall.sin()), ..paper_view() }
+}
+
 /// Straight down on the paper's ground, from so far that nothing leans.
 pub(super) fn plan_view(longest_px: u32) -> View {
     let extent = DVec2::new(COLUMNS as f64 * BLOCK_M, ROWS as f64 * BLOCK_M);
@@ -102,6 +123,12 @@ mod tests {
     use super::*;
     use yamanami_testkit::check_conforming;
     use yamanami_testkit::laws::Kind;
+
+    #[test]
+    fn thresholds_are_the_papers_and_grow_with_the_ground() {
+        assert_eq!(thresholds_m(1), [1000.0, 2000.0]);
+        assert_eq!(thresholds_m(10).len(), 6);
+    }
 
     #[test]
     fn mirrored_copies_are_one_ground() {

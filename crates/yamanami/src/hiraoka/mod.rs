@@ -14,12 +14,16 @@ mod poses;
 use crate::{Culling, Error};
 use decimation::LevelError;
 use drawing::SizeFound;
-use ground::{PAPER_TRIANGLES, THRESHOLDS_M, grid, mirrored, paper_tin, paper_view};
+use ground::{PAPER_TRIANGLES, grid, mirrored, paper_tin, paper_view, thresholds_m, view_in_plan};
 use poses::Losses;
 use std::path::{Path, PathBuf};
-use yamanami_core::{HeightField, TriangleMesh};
+use yamanami_core::{HeightField, TriangleMesh, View};
 use yamanami_multires::tin::{GreedyOptions, greedy};
 use yamanami_multires::tin_block::{CostReading, TinBlocks, centroid_chain};
+
+/// The reading of the paper that its levels are drawn with. By the plain one triangles far and wide meet in a few vertices,
+/// which serves neither the pictures nor the time.
+const DRAWN: CostReading = CostReading::OncePerPass;
 
 /// Poses on the whole TIN, and on a small one, where many are affordable.
 const POSES: [usize; 2] = [2_000, 100_000];
@@ -34,8 +38,10 @@ pub(crate) struct Findings {
     heights_m: [f64; 3],
     decimation: Vec<LevelError>,
     sizes: Vec<SizeFound>,
-    losses: Losses,
-    many_losses: Losses,
+    /// Triangles and whole blocks that the paper's rule loses from the middle of a block.
+    own_block_lost: [usize; 2],
+    /// By TIN and view.
+    losses: Vec<(&'static str, Losses)>,
 }
 
 /// Runs the experiment and writes `index.html`, `hiraoka.md`, tables (CSV) and pictures into `out`; gives the page's path.
@@ -58,32 +64,28 @@ pub fn hiraoka(
     let decimation = decimation::compare(&tin, progress)?;
     let mut sizes = Vec::new();
     for &copies in copies {
-        let ground = mirrored(&tin, copies);
-        let found = drawing::measure(&ground, copies, progress, &mut |blocks, drawing, culling, pictures| {
-            if copies == 1 {
-                let name = file_name(culling);
-                pictures.save(out, name)?;
-                pictures::levels(blocks, drawing, &paper_view(), &out.join(format!("levels_{name}.png")))?;
-            }
-            Ok(())
-        })?;
-        sizes.push(found);
+        sizes.push(drawing::measure(&mirrored(&tin, copies), copies, out, progress)?);
     }
+    progress("the eye's own block");
+    let own_block_lost = drawing::own_block(&tin, out)?;
     progress("random poses");
-    let losses = poses::losses(&blocks_of(&tin)?, &THRESHOLDS_M, &paper_view(), POSES[0]);
+    let lost = |tin: &TriangleMesh, view: &View, poses: usize| -> Result<Losses, Error> {
+        let chain = centroid_chain(tin, thresholds_m(1).len() + 1, DRAWN)?;
+        Ok(poses::losses(&TinBlocks::new(&chain, grid(1)?)?, &thresholds_m(1), view, poses))
+    };
+    let whole = lost(&tin, &paper_view(), POSES[0])?;
     let options = GreedyOptions { max_error_m: 0.0, most_triangles: Some(SMALL_TRIANGLES) };
     let mut small = greedy(field, &options)?.tin.mesh;
     let low = small.bounds().min;
     small.positions.iter_mut().for_each(|p| *p -= low.truncate().extend(0.0));
-    let many_losses = poses::losses(&blocks_of(&small)?, &THRESHOLDS_M, &paper_view(), POSES[1]);
+    let losses = vec![
+        ("the TIN", whole),
+        ("a TIN of 2,000 triangles", lost(&small, &paper_view(), POSES[1])?),
+        ("the same, in plan, 45° wide", lost(&small, &view_in_plan(), POSES[1])?),
+    ];
     progress("writing the page");
     let heights_m = [bounds.min.z, sum / count.max(1) as f64, bounds.max.z];
-    page::write(&Findings { title, heights_m, decimation, sizes, losses, many_losses }, out)
-}
-
-fn blocks_of(tin: &TriangleMesh) -> Result<TinBlocks, Error> {
-    let chain = centroid_chain(tin, THRESHOLDS_M.len() + 1, CostReading::Plain)?;
-    Ok(TinBlocks::new(&chain, grid(1)?)?)
+    page::write(&Findings { title, heights_m, decimation, sizes, own_block_lost, losses }, out)
 }
 
 /// For file names.

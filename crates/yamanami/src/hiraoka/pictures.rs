@@ -1,6 +1,6 @@
 //! The experiment's pictures: hill-shaded, their difference, and which level each block is drawn at.
 
-use super::ground::{THRESHOLDS_M, plan_view};
+use super::ground::plan_view;
 use crate::{Canvas, DrawWith, Error, TinDrawing};
 use glam::{DVec2, DVec3};
 use image::{Rgba, RgbaImage};
@@ -22,15 +22,8 @@ const STRONGER: u32 = 4;
 /// The picture of the whole TIN, and how it was drawn.
 #[derive(Debug)]
 pub(super) struct FullPicture {
-    pub(super) picture: RgbaImage,
+    picture: RgbaImage,
     style: RenderOptions,
-}
-
-/// A picture of what was drawn, beside that of the whole.
-#[derive(Debug)]
-pub(super) struct Pictures {
-    pub(super) full: RgbaImage,
-    pub(super) drawn: RgbaImage,
 }
 
 /// Draws a whole TIN.
@@ -40,37 +33,63 @@ pub(super) fn full_picture(tin: &TriangleMesh, view: &View) -> Result<FullPictur
         tint_range_m: Some([bounds.min.z, bounds.max.z]),
         haze: Haze::Distance(8_000.0),
         depth_planes_m: Some(DEPTH_M),
-        light: Light { strength: 2.5, ..Light::default() },
+        light: Light { strength: 4.0, ..Light::default() },
         ..RenderOptions::default()
     };
-    let picture = picture(tin, view, &style)?;
-    Ok(FullPicture { picture, style })
+    Ok(FullPicture { picture: picture(tin, view, &style)?, style })
 }
 
 impl FullPicture {
+    pub(super) fn picture(&self) -> &RgbaImage {
+        &self.picture
+    }
+
+    pub(super) fn style(&self) -> &RenderOptions {
+        &self.style
+    }
+
     /// Draws another mesh the same way.
     pub(super) fn like(&self, mesh: &TriangleMesh, view: &View) -> Result<RgbaImage, Error> {
         picture(mesh, view, &self.style)
     }
-}
 
-fn picture(mesh: &TriangleMesh, view: &View, style: &RenderOptions) -> Result<RgbaImage, Error> {
-    Canvas::of_mesh(mesh, DrawWith::Software)?.draw(view, style)
-}
+    /// Saves the picture itself, plain and with triangles.
+    pub(super) fn save_itself(&self, tin: &TriangleMesh, view: &View, out: &Path) -> Result<(), Error> {
+        save(&self.picture, &out.join("view_full.png"))?;
+        self.save_triangles(tin, view, &out.join("triangles_full.png"))
+    }
 
-impl Pictures {
-    /// Saves both and their difference: white where they are equal.
-    pub(super) fn save(&self, out: &Path, name: &str) -> Result<(), Error> {
-        let difference = RgbaImage::from_fn(self.full.width(), self.full.height(), |x, y| {
-            let (a, b) = (self.full.get_pixel(x, y).0, self.drawn.get_pixel(x, y).0);
+    /// Saves another mesh drawn the same way, with its triangles.
+    pub(super) fn save_triangles(&self, mesh: &TriangleMesh, view: &View, path: &Path) -> Result<(), Error> {
+        save(&picture(mesh, view, &wired(&self.style))?, path)
+    }
+
+    /// Saves what was drawn of a mesh, with its triangles, and how it differs: white where it does not.
+    pub(super) fn save(
+        &self,
+        mesh: &TriangleMesh,
+        drawn: &RgbaImage,
+        view: &View,
+        out: &Path,
+        name: &str,
+    ) -> Result<(), Error> {
+        let difference = RgbaImage::from_fn(drawn.width(), drawn.height(), |x, y| {
+            let (a, b) = (self.picture.get_pixel(x, y).0, drawn.get_pixel(x, y).0);
             let most = (0..3).map(|k| u32::from(a[k].abs_diff(b[k]))).max().unwrap_or(0);
             let grey = 255 - (STRONGER * most).min(255) as u8;
             Rgba([grey, grey, grey, 255])
         });
-        save(&self.full, &out.join("view_full.png"))?;
-        save(&self.drawn, &out.join(format!("view_{name}.png")))?;
+        self.save_triangles(mesh, view, &out.join(format!("triangles_{name}.png")))?;
         save(&difference, &out.join(format!("difference_{name}.png")))
     }
+}
+
+fn wired(style: &RenderOptions) -> RenderOptions {
+    RenderOptions { wireframe: Some(Wireframe { opacity: 0.4, ..Wireframe::default() }), ..style.clone() }
+}
+
+fn picture(mesh: &TriangleMesh, view: &View, style: &RenderOptions) -> Result<RgbaImage, Error> {
+    Canvas::of_mesh(mesh, DrawWith::Software)?.draw(view, style)
 }
 
 /// The plan of the whole TIN, hill-shaded, with its triangles.
@@ -78,7 +97,7 @@ pub(super) fn plan(tin: &TriangleMesh, path: &Path) -> Result<(), Error> {
     let style = RenderOptions {
         haze: Haze::None,
         background: Background::Plain([255; 3]),
-        light: Light { strength: 2.5, ..Light::default() },
+        light: Light { strength: 4.0, ..Light::default() },
         wireframe: Some(Wireframe { opacity: 0.25, ..Wireframe::default() }),
         ..RenderOptions::default()
     };
@@ -86,7 +105,7 @@ pub(super) fn plan(tin: &TriangleMesh, path: &Path) -> Result<(), Error> {
 }
 
 /// The plan with each block in the colour of its level, pale where it is not drawn, and the eye with its field of view.
-pub(super) fn levels(blocks: &TinBlocks, drawing: &TinDrawing, view: &View, path: &Path) -> Result<(), Error> {
+pub(super) fn levels_picture(blocks: &TinBlocks, drawing: &TinDrawing, view: &View, path: &Path) -> Result<(), Error> {
     let mut mesh = TriangleMesh::default();
     let mut add = |corners: [DVec3; 3], colour: [u8; 4]| {
         let first = mesh.positions.len() as u32;
@@ -119,7 +138,7 @@ pub(super) fn levels(blocks: &TinBlocks, drawing: &TinDrawing, view: &View, path
     for side in [-1.0, 1.0] {
         line(eye, eye + 4000.0 * turned(side));
     }
-    for radius_m in THRESHOLDS_M {
+    for &radius_m in &drawing.thresholds_m {
         for step in -16..16 {
             let [from, to] = [step, step + 1].map(|at| eye + radius_m * turned(f64::from(at) / 16.0));
             line(from, to);

@@ -38,7 +38,7 @@ impl Losses {
     }
 }
 
-/// Eyes anywhere over the ground, 100 m high, that look anywhere, slightly up to steeply down.
+/// Eyes anywhere over the ground, 100 m high, that look level in any direction, as the paper's does.
 pub(super) fn losses(blocks: &TinBlocks, thresholds_m: &[f64], like: &View, poses: usize) -> Losses {
     const CHUNK: usize = 256;
     let chunks: Vec<usize> = (0..poses.div_ceil(CHUNK)).collect();
@@ -52,11 +52,11 @@ pub(super) fn losses(blocks: &TinBlocks, thresholds_m: &[f64], like: &View, pose
     chunks.par_iter().map(of_chunk).reduce(Losses::default, Losses::and)
 }
 
-/// The `nth` of a sequence that fills place, heading and tilt evenly (Roberts, "The unreasonable effectiveness of
+/// The `nth` of a sequence that fills places and headings evenly (Roberts, "The unreasonable effectiveness of
 /// quasirandom sequences", 2018).
 fn pose_view(blocks: &TinBlocks, like: &View, nth: usize) -> View {
-    // 1/g, 1/g², … for g⁵ = g + 1
-    const G: f64 = 1.167_303_978_261_418_7;
+    // g⁴ = g + 1
+    const G: f64 = 1.220_744_084_605_759_5;
     let share = |k: i32| (0.5 + nth as f64 / G.powi(k)).fract();
     let lines = [0, 1].map(|axis| blocks.grid().lines_m(axis));
     let at = |axis: usize, share: f64| {
@@ -64,8 +64,8 @@ fn pose_view(blocks: &TinBlocks, like: &View, nth: usize) -> View {
         first + share * (last - first)
     };
     let eye = DVec3::new(at(0, share(1)), at(1, share(2)), like.eye.z);
-    let (heading, tilt) = (std::f64::consts::TAU * share(3), 0.1 - 0.6 * share(4));
-    View { eye, target: eye + DVec3::new(heading.sin(), heading.cos(), tilt), ..*like }
+    let heading = std::f64::consts::TAU * share(3);
+    View { eye, target: eye + DVec3::new(heading.sin(), heading.cos(), 0.0), ..*like }
 }
 
 fn of_pose(blocks: &TinBlocks, view: &View, [faithful, conservative]: &mut [TinDrawing; 2]) -> Losses {

@@ -1,7 +1,7 @@
 //! `build`: elevation files, a TIN or a mesh to a surface database.
 
 use super::remesh::RemeshArgs;
-use super::{build_model, progressive};
+use super::{build_model, build_tiles, progressive};
 use crate::args::SourceArgs;
 use crate::failure::Failure;
 use crate::progress::{Bar, note};
@@ -22,6 +22,8 @@ Examples:
   yamanami build lidar.tif -o lidar.yama --max-error 0.05
                                                      heights within 5 cm: a much smaller file
   yamanami build ground.xml -o ground.yama           a TIN (LandXML, DXF, 2DM, CityGML, ...), bit for bit
+  yamanami build 5339*.gml -o city.yama              sheets beside each other, any number, as one TIN
+  yamanami build dem.tif --tin -o dem.yama           the cells of a grid as a TIN, however large
   yamanami build scan.ply -o scan.yama               a model at every level of detail
   yamanami build scan.ply --progressive -o scan.yama
                                                      a small file of which any beginning is a coarser model
@@ -40,7 +42,7 @@ pub(crate) struct BuildArgs {
     /// Of a mesh: remesh it where it has no levels, and write wavelet details, the most telling bits first
     #[arg(long, help_heading = "Results")]
     pub(super) progressive: bool,
-    /// Of a mesh that is terrain: a TIN, its vertices kept bit for bit and errors vertical
+    /// Of meshes that are terrain, or of elevation files: a TIN, its vertices kept bit for bit and errors vertical
     #[arg(long, conflicts_with_all = ["progressive", "max_error"], help_heading = "Results")]
     pub(super) tin: bool,
     #[command(flatten)]
@@ -62,13 +64,19 @@ pub(crate) fn run(args: &BuildArgs) -> Result<(), Failure> {
         }
         [mesh] if inputs::is_mesh(mesh) && args.progressive => return progressive::build(args, mesh),
         [mesh] if inputs::is_mesh(mesh) => return build_model::run(args, mesh),
-        _ if args.tin => {
-            return Err(Failure::misuse("--tin is for one mesh; of elevation files: yamanami tin --error M"));
-        }
         _ if args.progressive => return Err(Failure::misuse("--progressive is for one mesh")),
-        several if several.iter().any(|s| inputs::is_mesh(s) || inputs::is_tin(s)) => {
-            return Err(Failure::misuse("a mesh or TIN stands alone: give it as the only input"));
+        several if several.iter().all(|s| inputs::is_tin(s) || (args.tin && inputs::is_mesh(s))) => {
+            return build_tiles::of_files(args);
         }
+        several if several.iter().any(|s| inputs::is_mesh(s)) => {
+            return Err(Failure::misuse(
+                "a mesh stands alone: give it as the only input, or several of terrain with --tin",
+            ));
+        }
+        several if several.iter().any(|s| inputs::is_tin(s)) => {
+            return Err(Failure::misuse("TINs and elevation files do not mix: build them one by one"));
+        }
+        _ if args.tin => return build_tiles::of_grid(args),
         _ => {}
     }
     let max_error_m = args.max_error.unwrap_or(0.0);

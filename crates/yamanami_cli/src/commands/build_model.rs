@@ -25,11 +25,7 @@ pub(crate) fn run(args: &BuildArgs, file: &Path) -> Result<(), Failure> {
 
 /// `build` of a TIN file, or of a mesh file that is terrain.
 pub(crate) fn run_tin(args: &BuildArgs, file: &Path) -> Result<(), Failure> {
-    if args.progressive || args.max_error.is_some() {
-        return Err(Failure::misuse(
-            "a TIN's vertices are kept bit for bit: --progressive and --max-error are for others",
-        ));
-    }
+    check_exact(args)?;
     let started = Instant::now();
     let read = {
         let _bar = Bar::spinner("reading");
@@ -45,7 +41,17 @@ pub(crate) fn run_tin(args: &BuildArgs, file: &Path) -> Result<(), Failure> {
     })
 }
 
-fn title(file: &Path) -> String {
+/// A TIN is not rounded.
+pub(super) fn check_exact(args: &BuildArgs) -> Result<(), Failure> {
+    if args.progressive || args.max_error.is_some() {
+        return Err(Failure::misuse(
+            "a TIN's vertices are kept bit for bit: --progressive and --max-error are for others",
+        ));
+    }
+    Ok(())
+}
+
+pub(super) fn title(file: &Path) -> String {
     file.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned())
 }
 

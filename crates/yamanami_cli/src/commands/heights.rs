@@ -1,6 +1,6 @@
 //! `heights`: height, slope and aspect at points.
 
-use crate::args::SourceArgs;
+use crate::args::{SourceArgs, TinReadingArgs};
 use crate::failure::Failure;
 use crate::{inputs, out, places, text, values};
 use clap::Args;
@@ -24,9 +24,8 @@ Aspect is the direction in which water runs off, clockwise from north; level gro
 pub(crate) struct HeightsArgs {
     #[command(flatten)]
     source: SourceArgs,
-    /// Which surface of a TIN file, by name; else the largest
-    #[arg(long, value_name = "NAME", help_heading = "Reading")]
-    surface: Option<String>,
+    #[command(flatten)]
+    tin: TinReadingArgs,
     /// A point in the source's CRS; again for more
     #[arg(long, value_name = "X,Y", value_parser = values::plan_place, allow_hyphen_values = true, required_unless_present = "points")]
     at: Vec<[f64; 2]>,
@@ -50,7 +49,7 @@ pub(crate) fn run(args: &HeightsArgs) -> Result<(), Failure> {
         inputs::check_output(output, &["csv"], &inputs)?;
     }
     let table = args.points.as_deref().map(places::table).transpose()?;
-    let full = inputs::full_surface(&args.source.sources, &args.source.reading, args.surface.as_deref())?;
+    let full = inputs::full_surface(&args.source.sources, &args.source.reading, &args.tin.options())?;
     let places = table.as_ref().map_or(&args.at, |t| &t.places);
     let found = footings(&full, places);
     let outside = found.iter().filter(|f| f.is_none()).count();

@@ -2,6 +2,7 @@
 
 mod build;
 mod build_model;
+mod build_tiles;
 mod check;
 mod check_model;
 mod cleaning;

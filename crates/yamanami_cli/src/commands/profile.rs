@@ -1,6 +1,6 @@
 //! `profile`: the section of a surface along a line.
 
-use crate::args::SourceArgs;
+use crate::args::{SourceArgs, TinReadingArgs};
 use crate::failure::Failure;
 use crate::{inputs, out, places, text, values};
 use clap::Args;
@@ -24,9 +24,8 @@ a gap), the distance along the line, and x, y, z in the source's CRS.")]
 pub(crate) struct ProfileArgs {
     #[command(flatten)]
     source: SourceArgs,
-    /// Which surface of a TIN file, by name; else the largest
-    #[arg(long, value_name = "NAME", help_heading = "Reading")]
-    surface: Option<String>,
+    #[command(flatten)]
+    tin: TinReadingArgs,
     /// The line's places in the source's CRS, in quotes
     #[arg(long, value_name = "\"X,Y X,Y ...\"", value_parser = Line::parse, allow_hyphen_values = true, required_unless_present = "line_file")]
     line: Option<Line>,
@@ -64,7 +63,7 @@ pub(crate) fn run(args: &ProfileArgs) -> Result<(), Failure> {
         (None, Some(file)) => places::line(file)?,
         (None, None) => Vec::new(),
     };
-    let full = inputs::full_surface(&args.source.sources, &args.source.reading, args.surface.as_deref())?;
+    let full = inputs::full_surface(&args.source.sources, &args.source.reading, &args.tin.options())?;
     let line: Vec<DVec2> = line.into_iter().map(|p| full.local_from_source(DVec2::from(p))).collect();
     let section = section(&PlanIndex::new(&full.mesh), &line);
     if section.runs.is_empty() {
@@ -154,5 +153,6 @@ fn report(args: &ProfileArgs, full: &FullSurface, section: &Section) -> Result<(
         ),
     )?;
     out::row("climb", format_args!("{}, descent {}", text::length_m(climb), text::length_m(descent)))?;
-    out::row("vertices", format_args!("{} in {} runs", text::count(vertices), section.runs.len()))
+    let runs = if section.runs.len() == 1 { "one run".to_owned() } else { format!("{} runs", section.runs.len()) };
+    out::row("vertices", format_args!("{} in {runs}", text::count(vertices)))
 }

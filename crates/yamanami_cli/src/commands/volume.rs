@@ -1,6 +1,6 @@
 //! `volume`: cut and fill between two surfaces, and water at a level on one.
 
-use crate::args::ReadingArgs;
+use crate::args::{ReadingArgs, TinReadingArgs};
 use crate::failure::Failure;
 use crate::progress::{Bar, note};
 use crate::{inputs, out, text, values};
@@ -8,6 +8,7 @@ use clap::Args;
 use glam::DVec2;
 use serde_json::json;
 use std::path::{Path, PathBuf};
+use yamanami::io::tin_file::TinReadOptions;
 use yamanami::measure::tin::{PlanIndex, VolumeBetween, Water, volume_between, water_below, water_from};
 
 /// Volumes, exact on the full surfaces: cut and fill between two, or water at a level on one
@@ -37,12 +38,14 @@ pub(crate) struct VolumeArgs {
     seed: Option<[f64; 2]>,
     #[command(flatten)]
     reading: ReadingArgs,
-    /// Which surface of the first TIN file, by name; else the largest
-    #[arg(long, value_name = "NAME", help_heading = "Reading")]
-    surface: Option<String>,
-    /// Which surface of the second TIN file
+    #[command(flatten)]
+    tin: TinReadingArgs,
+    /// Which surface of the second file
     #[arg(long, value_name = "NAME", help_heading = "Reading", requires = "b")]
     surface_b: Option<String>,
+    /// Metres in a unit of the second file's coordinates; else as for the first
+    #[arg(long, value_name = "M", value_parser = values::positive, help_heading = "Reading", requires = "b")]
+    unit_b: Option<f64>,
     /// Print JSON
     #[arg(long, help_heading = "Results")]
     json: bool,
@@ -57,10 +60,14 @@ pub(crate) fn run(args: &VolumeArgs) -> Result<(), Failure> {
 }
 
 fn between(args: &VolumeArgs, b: &Path) -> Result<(), Failure> {
-    let open = |path: &Path, surface: &Option<String>| {
-        inputs::full_surface(&[path.to_owned()], &args.reading, surface.as_deref())
+    let tin = args.tin.options();
+    let tin_b = TinReadOptions {
+        surface: args.surface_b.clone(),
+        unit_m: args.unit_b.or(tin.unit_m),
+        ..TinReadOptions::default()
     };
-    let (first, second) = (open(&args.a, &args.surface)?, open(b, &args.surface_b)?);
+    let open = |path: &Path, tin| inputs::full_surface(&[path.to_owned()], &args.reading, tin);
+    let (first, second) = (open(&args.a, &tin)?, open(b, &tin_b)?);
     let second = second.in_frame_of(&first)?;
     let volume = {
         let _bar = Bar::spinner("measuring");
@@ -101,7 +108,7 @@ fn report_between(args: &VolumeArgs, v: &VolumeBetween) -> Result<(), Failure> {
 }
 
 fn water(args: &VolumeArgs, level_m: f64) -> Result<(), Failure> {
-    let full = inputs::full_surface(&[args.a.clone()], &args.reading, args.surface.as_deref())?;
+    let full = inputs::full_surface(std::slice::from_ref(&args.a), &args.reading, &args.tin.options())?;
     let water = {
         let _bar = Bar::spinner("measuring");
         match args.seed {

@@ -122,7 +122,7 @@ impl Header {
             );
         }
         if !header.scale.is_finite() || !header.offset.is_finite() || header.scale.cmple(DVec3::ZERO).any() {
-            return bad("byte 131", "scales above 0 and offsets", format!("{} and {}", header.scale, header.offset));
+            return bad("byte 131", "scales above 0 and finite offsets", "others".into());
         }
         let most = if header.is_packed {
             length.saturating_mul(MOST_POINTS_A_BYTE)

@@ -51,11 +51,12 @@ enum Role {
     Degrees,
 }
 
+/// Names of columns. The X座標 (x coordinate) of Japanese surveys is north.
 const NAMES: &[(Role, &[&str])] = &[
-    (Role::X, &["x", "x座標", "x(m)", "x[m]"]),
-    (Role::Y, &["y", "y座標", "y(m)", "y[m]"]),
-    (Role::East, &["e", "east", "easting", "東", "東距", "東座標"]),
-    (Role::North, &["n", "north", "northing", "北", "北距", "北座標"]),
+    (Role::X, &["x", "x(m)", "x[m]"]),
+    (Role::Y, &["y", "y(m)", "y[m]"]),
+    (Role::East, &["e", "east", "easting", "東", "東距", "東座標", "y座標", "ｙ座標"]),
+    (Role::North, &["n", "north", "northing", "北", "北距", "北座標", "x座標", "ｘ座標"]),
     (
         Role::Height,
         &[
@@ -69,6 +70,7 @@ const NAMES: &[(Role, &[&str])] = &[
             "標高",
             "高さ",
             "z座標",
+            "ｚ座標",
             "z(m)",
             "z[m]",
         ],
@@ -77,12 +79,15 @@ const NAMES: &[(Role, &[&str])] = &[
     (Role::Degrees, &["lat", "lon", "lng", "latitude", "longitude", "緯度", "経度"]),
 ];
 
-/// The same names in Shift_JIS, as Japanese survey programs write them: height (two ways), east, north.
+/// How the same names start in Shift_JIS, as Japanese survey programs write them.
 const SHIFT_JIS: &[(Role, &[u8])] = &[
     (Role::Height, b"\x95\x57\x8d\x82"),
     (Role::Height, b"\x8d\x82\x82\xb3"),
     (Role::East, b"\x93\x8c"),
     (Role::North, b"\x96\x6b"),
+    (Role::North, b"X\x8d\xc0\x95\x57"),
+    (Role::East, b"Y\x8d\xc0\x95\x57"),
+    (Role::Height, b"Z\x8d\xc0\x95\x57"),
 ];
 
 fn role(field: &[u8]) -> Option<Role> {

@@ -13,6 +13,7 @@ mod overlay;
 mod plane;
 mod prism;
 mod section;
+mod twins;
 mod vertical;
 mod volume;
 mod water;

@@ -7,6 +7,7 @@
 use super::PlanIndex;
 use super::locate::{PlanBox, plan_corners, plan_turn};
 use super::plane::Plane;
+use super::twins::twins;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use yamanami_core::TriangleMesh;
@@ -44,47 +45,35 @@ impl Piece<'_> {
     }
 }
 
-/// Sums over all pieces that the surfaces share, one a chunk of the first surface's triangles, in their order. A triangle
-/// that both have is held against itself alone: neighbours that reach over it by a hair, as borders do that were
-/// projected, do not tell the surfaces apart.
+/// Sums over all pieces on which the surfaces may differ, one a chunk of the first surface's triangles, in their order;
+/// and the plan area of the triangles that are the same in both.
 pub(super) fn fold<S: Default + Send>(
     first: &TriangleMesh,
     second: &PlanIndex<'_>,
     add: impl Fn(&mut S, &Piece<'_>) + Sync,
-) -> Vec<S> {
+) -> (Vec<S>, f64) {
+    let [same, same_in_second] = twins(first, second.mesh());
     let chunks = first.triangles.len().div_ceil(CHUNK);
-    (0..chunks)
+    let sums: Vec<(S, f64)> = (0..chunks)
         .into_par_iter()
         .map(|chunk| {
-            let (mut sums, mut clip) = (S::default(), Clip::default());
+            let (mut sums, mut same_m2, mut clip) = (S::default(), 0.0, Clip::default());
             for t in chunk * CHUNK..first.triangles.len().min((chunk + 1) * CHUNK) {
-                let twin = twin(first, t, second);
+                if same[t] {
+                    same_m2 += triangle_area(first.corners(t));
+                    continue;
+                }
                 clip.pieces(first, t as u32, second, |other, piece| {
-                    if twin.is_none_or(|twin| twin == other) {
+                    if !same_in_second[other as usize] {
                         add(&mut sums, piece);
                     }
                 });
             }
-            sums
+            (sums, same_m2)
         })
-        .collect()
-}
-
-/// The triangle of `second` with the very corners of a triangle of `first`.
-fn twin(first: &TriangleMesh, t: usize, second: &PlanIndex<'_>) -> Option<u32> {
-    let own = first.corners(t);
-    let bounds = PlanBox::of(plan_corners(first, t as u32));
-    let mut found = None;
-    second.visit(
-        |b| b.meets(&bounds),
-        |other| {
-            let theirs = second.mesh().corners(other as usize);
-            if own.iter().all(|p| theirs.contains(p)) && theirs.iter().all(|p| own.contains(p)) {
-                found = found.or(Some(other));
-            }
-        },
-    );
-    found
+        .collect();
+    let same_m2 = sums.iter().map(|(_, same_m2)| same_m2).sum();
+    (sums.into_iter().map(|(sums, _)| sums).collect(), same_m2)
 }
 
 /// Plan area that triangles of a surface share with others of it, square metres.

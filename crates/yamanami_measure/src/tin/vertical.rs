@@ -16,7 +16,7 @@ use yamanami_core::TriangleMesh;
 pub struct VerticalDifference {
     /// Greatest distance in metres.
     pub max_m: f64,
-    /// Where it is, in plan; `None` without overlap.
+    /// Where it is, in plan; `None` without overlap, or where all triangles are the same.
     pub worst: Option<DVec2>,
     /// Root of the mean squared distance in metres.
     pub rms_m: f64,
@@ -39,13 +39,13 @@ struct Sums {
     area: f64,
 }
 
-/// Measures two surfaces in the same frame against each other. A surface that overlaps itself counts as often as it lies
-/// over a place.
+/// Measures two surfaces in the same frame against each other. Triangles that both have do not differ. Else a surface that
+/// overlaps itself counts as often as it lies over a place.
 ///
 /// # Panics
 /// When a triangle names a vertex that its mesh does not have.
 pub fn vertical_difference(first: &TriangleMesh, second: &PlanIndex<'_>) -> VerticalDifference {
-    let chunks: Vec<Sums> = fold(first, second, |sums: &mut Sums, piece| {
+    let (chunks, same_m2) = fold(first, second, |sums: &mut Sums, piece| {
         let (mut area_here, mut max_here, mut corner) = (0.0, 0.0, 0);
         let mut fan = 1;
         piece.differences(|area, d| {
@@ -66,7 +66,7 @@ pub fn vertical_difference(first: &TriangleMesh, second: &PlanIndex<'_>) -> Vert
             (sums.max, sums.worst) = (max_here, Some(piece.origin + piece.corners[corner]));
         }
     });
-    let mut total = Sums::default();
+    let mut total = Sums { area: same_m2, ..Sums::default() };
     for c in chunks {
         if c.worst.is_some() && (c.max > total.max || total.worst.is_none()) {
             (total.max, total.worst) = (c.max, c.worst);
@@ -135,10 +135,14 @@ mod tests {
                 t.rotate_left((turns.rotate_left(k as u32) % 3) as usize);
             }
             b.triangles.reverse();
-            let same = vertical_difference(&a, &PlanIndex::new(&b));
-            prop_assert_eq!((same.max_m, same.rms_m, same.mean_m, same.mean_signed_m), (0.0, 0.0, 0.0, 0.0));
-            let area = 64.0;
-            prop_assert!((same.overlap_m2 - area).abs() < 1e-9 * area);
+            // and where only one vertex is moved, all the rest does not differ either
+            for lift in [0.0, 0.5] {
+                b.positions[40].z += lift;
+                let d = vertical_difference(&a, &PlanIndex::new(&b));
+                prop_assert!((d.max_m - lift).abs() < 1e-12 && (d.max_m == 0.0) == (lift == 0.0));
+                prop_assert!(d.rms_m <= lift && (d.mean_m - d.mean_signed_m).abs() < 1e-12);
+                prop_assert!((d.overlap_m2 - 64.0).abs() < 1e-7);
+            }
         }
     }
 

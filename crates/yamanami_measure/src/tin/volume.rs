@@ -35,12 +35,12 @@ impl VolumeBetween {
     }
 }
 
-/// Volumes between two surfaces in the same frame. A surface that overlaps itself counts as often as it lies over a place.
+/// Volumes between two surfaces in the same frame. Triangles that both have enclose nothing; else a surface that overlaps itself counts as often as it lies over a place.
 ///
 /// # Panics
 /// When a triangle names a vertex that its mesh does not have.
 pub fn volume_between(first: &TriangleMesh, second: &PlanIndex<'_>) -> VolumeBetween {
-    let chunks = fold(first, second, |sums: &mut VolumeBetween, piece| {
+    let (chunks, same_m2) = fold(first, second, |sums: &mut VolumeBetween, piece| {
         piece.differences(|area, d| {
             let [fill_m2, fill_m3] = positive_part(area, d);
             let [cut_m2, cut_m3] = positive_part(area, d.map(|v| -v));
@@ -51,7 +51,7 @@ pub fn volume_between(first: &TriangleMesh, second: &PlanIndex<'_>) -> VolumeBet
             sums.overlap_m2 += area;
         });
     });
-    let mut total = VolumeBetween::default();
+    let mut total = VolumeBetween { overlap_m2: same_m2, ..VolumeBetween::default() };
     for c in chunks {
         total.cut_m3 += c.cut_m3;
         total.fill_m3 += c.fill_m3;

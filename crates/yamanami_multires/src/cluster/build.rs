@@ -2,7 +2,7 @@
 
 use super::ground::Ground;
 use super::group::group;
-use super::number::number;
+use super::number::{Numbered, number};
 use super::patch::{Live, NEW, Outcome, Reduced, reduce};
 use super::sphere::enclose;
 use super::split::{Item, split};
@@ -59,7 +59,10 @@ pub struct BuildSummary {
 /// materials are left behind. The result depends on mesh and options only, never on the number of threads.
 pub fn build(mesh: &TriangleMesh, options: &ClusterOptions<'_>) -> Result<ClusterBuild, MultiresError> {
     let (vertices, triangles) = weld(mesh)?;
-    build_welded(vertices, triangles, None, options)
+    let mut rounds = Rounds::new(vertices, None, options);
+    let leaves = rounds.leaves(triangles);
+    let live = rounds.run(leaves, 0)?;
+    Ok(rounds.finish(live)?.build)
 }
 
 /// Builds the hierarchy of a TIN, its hidden faces left out: errors are vertical, nothing turns over in plan, breaklines
@@ -69,53 +72,23 @@ pub fn build(mesh: &TriangleMesh, options: &ClusterOptions<'_>) -> Result<Cluste
 pub fn build_tin(tin: &Tin, snap: Option<Snap>, options: &ClusterOptions<'_>) -> Result<ClusterBuild, MultiresError> {
     let (vertices, triangles) = weld(&tin.mesh)?;
     let ground = Ground::new(tin, snap, &vertices, &triangles);
-    build_welded(vertices, triangles, Some(ground), options)
-}
-
-fn build_welded(
-    vertices: Vertices,
-    triangles: Vec<[u32; 3]>,
-    ground: Option<Ground>,
-    options: &ClusterOptions<'_>,
-) -> Result<ClusterBuild, MultiresError> {
-    let cluster_triangles = options.cluster_triangles.clamp(16, 1 << 14);
-    let group_triangles = cluster_triangles * options.group_clusters.clamp(2, 16);
-    let mut rounds = Rounds {
-        cluster_triangles,
-        group_triangles,
-        vertices,
-        ground,
-        records: Vec::new(),
-        group_of: Vec::new(),
-        summary: BuildSummary { source_triangles: triangles.len(), ..BuildSummary::default() },
-        done: AtomicUsize::new(0),
-        progress: options.progress,
-    };
-    let mut live = rounds.leaves(triangles);
-    let mut idle = 0;
-    loop {
-        let before: usize = live.iter().map(|l| l.triangles.len()).sum();
-        if before <= 2 * cluster_triangles || idle == IDLE_ROUNDS {
-            break;
-        }
-        live = rounds.round(live)?;
-        let after: usize = live.iter().map(|l| l.triangles.len()).sum();
-        idle = if (before - after) as f64 > LEAST_GONE * before as f64 { 0 } else { idle + 1 };
-    }
-    let built = number(rounds.records, live, &rounds.vertices, rounds.summary)?;
-    if let Some(progress) = options.progress {
-        progress(1.0);
-    }
-    Ok(built)
+    let mut rounds = Rounds::new(vertices, Some(ground), options);
+    let leaves = rounds.leaves(triangles);
+    let live = rounds.run(leaves, 0)?;
+    Ok(rounds.finish(live)?.build)
 }
 
 /// What goes from round to round.
-struct Rounds<'a> {
+pub(super) struct Rounds<'a> {
     cluster_triangles: usize,
     group_triangles: usize,
-    vertices: Vertices,
+    pub(super) vertices: Vertices,
     /// What is known of the ground, where it is one.
-    ground: Option<Ground>,
+    pub(super) ground: Option<Ground>,
+    /// Vertices that stay, of those there are at the start; none where empty.
+    pub(super) is_fixed: Vec<bool>,
+    /// Clusters of each of the hierarchies that go on below this one; their numbers go before those of the records.
+    pub(super) below: Vec<usize>,
     records: Vec<Record>,
     /// For each vertex the group that has it in this round, [`SHARED`] where several do.
     group_of: Vec<u32>,
@@ -125,9 +98,51 @@ struct Rounds<'a> {
     progress: Option<&'a (dyn Fn(f32) + Sync)>,
 }
 
-impl Rounds<'_> {
+impl<'a> Rounds<'a> {
+    pub(super) fn new(vertices: Vertices, ground: Option<Ground>, options: &ClusterOptions<'a>) -> Self {
+        let cluster_triangles = options.cluster_triangles.clamp(16, 1 << 14);
+        Self {
+            cluster_triangles,
+            group_triangles: cluster_triangles * options.group_clusters.clamp(2, 16),
+            vertices,
+            ground,
+            is_fixed: Vec::new(),
+            below: Vec::new(),
+            records: Vec::new(),
+            group_of: Vec::new(),
+            summary: BuildSummary::default(),
+            done: AtomicUsize::new(0),
+            progress: options.progress,
+        }
+    }
+
+    /// Rounds until no more than `enough` triangles are left (or a cluster or two), or next to nothing goes any more. Gives
+    /// the clusters that are left.
+    pub(super) fn run(&mut self, mut live: Vec<Live>, enough: usize) -> Result<Vec<Live>, MultiresError> {
+        let count = |live: &[Live]| live.iter().map(|l| l.triangles.len()).sum::<usize>();
+        self.summary.source_triangles = count(&live);
+        let mut idle = 0;
+        loop {
+            let before = count(&live);
+            if before <= enough.max(2 * self.cluster_triangles) || idle == IDLE_ROUNDS {
+                return Ok(live);
+            }
+            live = self.round(live)?;
+            idle = if (before - count(&live)) as f64 > LEAST_GONE * before as f64 { 0 } else { idle + 1 };
+        }
+    }
+
+    /// Numbers everything, with `live` as the base mesh.
+    pub(super) fn finish(self, live: Vec<Live>) -> Result<Numbered, MultiresError> {
+        let numbered = number(self.records, live, &self.vertices, self.summary, &self.below)?;
+        if let Some(progress) = self.progress {
+            progress(1.0);
+        }
+        Ok(numbered)
+    }
+
     /// The clusters of the source.
-    fn leaves(&self, triangles: Vec<[u32; 3]>) -> Vec<Live> {
+    pub(super) fn leaves(&self, triangles: Vec<[u32; 3]>) -> Vec<Live> {
         let positions = &self.vertices.positions;
         let origin = positions[triangles[0][0] as usize];
         let place = |v: u32| positions[v as usize] - origin;
@@ -168,7 +183,9 @@ impl Rounds<'_> {
 
     fn reduce(&self, live: &[Live], members: &[u32], more_locked: &[u32]) -> Outcome {
         let members: Vec<&Live> = members.iter().map(|&m| &live[m as usize]).collect();
-        let is_locked = |v: u32| self.group_of[v as usize] == SHARED || more_locked.binary_search(&v).is_ok();
+        let is_fixed = |v: u32| self.is_fixed.get(v as usize).is_some_and(|&fixed| fixed);
+        let is_locked =
+            |v: u32| self.group_of[v as usize] == SHARED || is_fixed(v) || more_locked.binary_search(&v).is_ok();
         let outcome = reduce(&members, &self.vertices, &is_locked, self.cluster_triangles, self.ground.as_ref());
         if let Some(progress) = self.progress {
             let now = members.iter().map(|m| m.triangles.len()).sum::<usize>();
@@ -253,7 +270,7 @@ impl Rounds<'_> {
         balls.dedup();
         let bound = enclose(&points, &balls);
         let error_m = members.iter().map(|m| m.error_m).fold(0.0, f64::max) + reduced.distance_m;
-        let group = self.records.len() as u32;
+        let group = (self.below.len() + self.records.len()) as u32;
         let coarser = reduced.clusters.len();
         let renumber = |corner: &mut u32| {
             if *corner & NEW != 0 {

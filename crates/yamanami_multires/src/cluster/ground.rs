@@ -13,6 +13,11 @@ use glam::DVec3;
 use std::collections::HashSet;
 use yamanami_core::{Snap, Tin, TriangleMesh};
 
+/// Vertices that hang on an edge of others, and its ends.
+fn stays(mesh: &TriangleMesh) -> HashSet<u32> {
+    t_junctions(mesh).into_iter().flat_map(|(v, [a, b])| [v, a, b]).collect()
+}
+
 /// What is known of the ground beside its triangles.
 #[derive(Debug)]
 pub(super) struct Ground {
@@ -28,12 +33,22 @@ impl Ground {
         let mut lines = HashSet::new();
         // by the welded vertices' numbers
         let mesh = TriangleMesh::new(vertices.positions.clone(), triangles.to_vec());
-        let stays = t_junctions(&mesh).into_iter().flat_map(|(v, [a, b])| [v, a, b]).collect();
+        let stays = stays(&mesh);
         if !tin.breaklines.is_empty() {
             let welded = Tin { mesh, breaklines: tin.breaklines.clone(), ..Tin::default() };
             lines.extend(line_edges(&welded).edges.iter().map(|&[a, b]| edge_key(a, b)));
         }
         Self { snap, lines, stays }
+    }
+
+    /// The ground above several tiles: `lines` by place, `mesh` their coarsest triangles.
+    pub(super) fn above(mesh: &TriangleMesh, lines: HashSet<u64>, snap: Option<Snap>) -> Self {
+        Self { snap, lines, stays: stays(mesh) }
+    }
+
+    /// Whether a breakline runs along an edge.
+    pub(super) fn has_line(&self, a: u32, b: u32) -> bool {
+        self.lines.contains(&edge_key(a, b))
     }
 
     pub(super) fn add_lines(&mut self, lines: &[[u32; 2]]) {

@@ -7,6 +7,7 @@
 
 mod attributes;
 mod build;
+mod glue;
 mod ground;
 mod group;
 mod number;
@@ -18,6 +19,7 @@ mod table;
 mod weld;
 
 pub use build::{BuildSummary, build, build_tin};
+pub use glue::{Glued, Seam, Tile, TileTop, build_tile, join_tiles};
 pub use surface::ClusterSurface;
 
 use crate::MultiresError;

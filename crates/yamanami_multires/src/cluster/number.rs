@@ -61,19 +61,33 @@ fn lay_out(clusters: Vec<Live>, bringer: GroupId, replaced: &mut [Vec<(GroupId, 
     (triangles, lens)
 }
 
-/// Numbers everything. `records` go from fine to coarse; `base` are the clusters left.
+/// A hierarchy under its final numbers.
+#[derive(Debug)]
+pub(super) struct Numbered {
+    pub(super) build: ClusterBuild,
+    /// Who brings each cluster of each hierarchy that goes on below this one: a node or the base mesh, and which of its
+    /// clusters it is.
+    pub(super) below: Vec<Vec<(GroupId, u16)>>,
+    /// For each vertex of the build its number.
+    pub(super) vertex_ids: Vec<VertexId>,
+}
+
+/// Numbers everything. `records` go from fine to coarse; `base` are the clusters left; `below` says how many clusters each
+/// of the hierarchies has that go on below this one.
 pub(super) fn number(
     records: Vec<Record>,
     base: Vec<Live>,
     vertices: &Vertices,
     summary: BuildSummary,
-) -> Result<ClusterBuild, MultiresError> {
+    below: &[usize],
+) -> Result<Numbered, MultiresError> {
     if base.len() > usize::from(u16::MAX) {
         let (count, most) = (base.len() as u64, u64::from(u16::MAX));
         return Err(MultiresError::TooManyClusters { what: "clusters of the base mesh", count, most });
     }
     let count = records.len();
-    let mut replaced: Vec<Vec<(GroupId, u16)>> = records.iter().map(|r| vec![(BASE_CLUSTERS, 0); r.coarser]).collect();
+    let coarser = below.iter().copied().chain(records.iter().map(|r| r.coarser));
+    let mut replaced: Vec<Vec<(GroupId, u16)>> = coarser.map(|n| vec![(BASE_CLUSTERS, 0); n]).collect();
     let mut numbers = Numbers { vertices, of: vec![NONE; vertices.positions.len()], next: 0 };
     let (triangles, base_clusters) = lay_out(base, BASE_CLUSTERS, &mut replaced);
     let brought = numbers.bring(&triangles);
@@ -84,7 +98,7 @@ pub(super) fn number(
     // the last record is the coarsest: by then all that made its coarser clusters' bringers is laid out
     for (index, record) in records.into_iter().enumerate().rev() {
         let group = nodes.len() as GroupId;
-        let own = std::mem::take(&mut replaced[index]);
+        let own = std::mem::take(&mut replaced[below.len() + index]);
         let level = (own.iter()).map(|&(g, _)| nodes.get(g as usize).map_or(0, |parent| parent.level + 1)).max();
         let first_vertex = numbers.next;
         let (triangles, cluster_triangles) = lay_out(record.members, group, &mut replaced);
@@ -103,5 +117,7 @@ pub(super) fn number(
         let triangles = numbers.final_triangles(triangles);
         pages.push(ClusterPage { group, vertices, removed, triangles });
     }
-    Ok(ClusterBuild { nodes, base_clusters, base, pages, summary })
+    replaced.truncate(below.len());
+    let build = ClusterBuild { nodes, base_clusters, base, pages, summary };
+    Ok(Numbered { build, below: replaced, vertex_ids: numbers.of })
 }

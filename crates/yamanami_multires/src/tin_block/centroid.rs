@@ -5,9 +5,8 @@
 //! add triangles. Nothing bounds the error: the engine's own levels come from `collapse`.
 
 use super::net::Net;
+use super::picks::Picks;
 use crate::MultiresError;
-use std::cmp::{Ordering, Reverse};
-use std::collections::BinaryHeap;
 use yamanami_core::TriangleMesh;
 
 /// How the paper's choice of the next triangle is read.
@@ -92,37 +91,16 @@ fn check(mesh: &TriangleMesh) -> Result<(), MultiresError> {
 /// The numbers of corners have 32 bits, two of them for the place in the triangle.
 const MOST_TRIANGLES: usize = 1 << 30;
 
-/// A triangle to be picked, the least cost first.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Pick {
-    cost: f64,
-    triangle: u32,
-    /// How often the triangle's cost had been worked out.
-    stamp: u32,
-}
-
-impl Eq for Pick {}
-
-impl Ord for Pick {
-    fn cmp(&self, other: &Self) -> Ordering {
-        self.cost.total_cmp(&other.cost).then(self.triangle.cmp(&other.triangle)).then(self.stamp.cmp(&other.stamp))
-    }
-}
-
-impl PartialOrd for Pick {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
 /// A decimation under way.
 struct Work {
     net: Net,
     reading: CostReading,
-    heap: BinaryHeap<Reverse<Pick>>,
-    stamp: Vec<u32>,
+    picks: Picks,
     /// Triangles made in this pass, where it matters.
     is_new: Vec<bool>,
+    /// The step that last changed what a triangle costs.
+    rated_in: Vec<u32>,
+    steps: u32,
     ring: Vec<u32>,
 }
 
@@ -132,74 +110,86 @@ impl Work {
         let mut work = Self {
             net,
             reading,
-            heap: BinaryHeap::new(),
-            stamp: vec![0; slots],
+            picks: Picks::default(),
             is_new: vec![false; slots],
+            rated_in: vec![0; slots],
+            steps: 0,
             ring: Vec::new(),
         };
-        work.rate_all();
+        work.begin_pass();
         work
     }
 
     fn reduce_to(&mut self, target: usize) {
         if self.reading == CostReading::OncePerPass {
-            self.rate_all();
+            self.begin_pass();
         }
         let mut before = usize::MAX;
         while self.net.len() > target {
-            match self.heap.pop() {
-                Some(Reverse(pick)) if self.stamp[pick.triangle as usize] == pick.stamp => self.step(pick.triangle),
-                Some(_) => (),
+            match self.picks.least() {
+                Some(triangle) => self.step(triangle),
                 // a pass without a step will be followed by others
                 None if self.reading != CostReading::OncePerPass || self.net.len() == before => return,
                 None => {
                     before = self.net.len();
-                    self.rate_all();
+                    self.begin_pass();
                 }
             }
         }
     }
 
-    /// Begins a pass.
-    fn rate_all(&mut self) {
-        self.heap.clear();
+    fn begin_pass(&mut self) {
         self.is_new.fill(false);
+        let mut costs = vec![f64::INFINITY; self.is_new.len()];
         let all: Vec<u32> = self.net.triangles().collect();
-        let picks: Vec<_> = all.into_iter().filter_map(|t| self.rate(t)).collect();
-        self.heap = BinaryHeap::from(picks);
+        for t in all {
+            costs[t as usize] = self.cost(t);
+        }
+        self.picks = Picks::new(costs);
     }
 
-    fn rate(&mut self, triangle: u32) -> Option<Reverse<Pick>> {
-        let t = triangle as usize;
-        self.stamp[t] += 1;
-        if self.is_new[t] || !self.net.surroundings(triangle, &mut self.ring) {
-            return None;
+    /// What it costs to pick a triangle; infinite where it must not be.
+    fn cost(&mut self, t: u32) -> f64 {
+        if self.is_new[t as usize] || !self.net.is_free(t) {
+            return f64::INFINITY;
         }
         let cost = match self.reading {
-            CostReading::Plain | CostReading::OncePerPass => self.net.slope_sum(&self.ring) / self.ring.len() as f64,
-            CostReading::Sum => self.net.slope_sum(&self.ring),
-            CostReading::PlaneDeviation => self.net.plane_deviation_m(triangle, &self.ring),
+            CostReading::Plain | CostReading::OncePerPass => {
+                let (sum, count) = self.net.slope_sum(t);
+                sum / count as f64
+            }
+            CostReading::Sum => self.net.slope_sum(t).0,
+            CostReading::PlaneDeviation => {
+                self.net.surroundings(t, &mut self.ring);
+                self.net.plane_deviation_m(t, &self.ring)
+            }
         };
-        Some(Reverse(Pick { cost, triangle, stamp: self.stamp[t] }))
+        if cost.is_finite() { cost } else { f64::INFINITY }
     }
 
-    /// Takes out a triangle and what touches it, where the hole can be fanned.
+    /// Takes out a triangle and what touches it; where the hole cannot be fanned, passes it over until something near changes.
     fn step(&mut self, triangle: u32) {
         self.net.surroundings(triangle, &mut self.ring);
-        let Some(hole) = self.net.hole(triangle, &self.ring) else { return };
+        let Some(hole) = self.net.hole(triangle, &self.ring) else {
+            self.picks.set(triangle, f64::INFINITY);
+            return;
+        };
         for &t in &self.ring {
-            self.stamp[t as usize] += 1;
+            self.picks.set(t, f64::INFINITY);
         }
         let made = self.net.fan(triangle, &self.ring, &hole);
         if self.reading == CostReading::OncePerPass {
             made.iter().for_each(|&t| self.is_new[t as usize] = true);
         }
-        let mut touched: Vec<u32> = hole.iter().flat_map(|&v| self.net.triangles_at(v)).collect();
-        touched.sort_unstable();
-        touched.dedup();
-        for t in touched {
-            let pick = self.rate(t);
-            self.heap.extend(pick);
+        self.steps += 1;
+        for v in hole {
+            let around: Vec<u32> = self.net.triangles_at(v).collect();
+            for t in around {
+                if std::mem::replace(&mut self.rated_in[t as usize], self.steps) != self.steps {
+                    let cost = self.cost(t);
+                    self.picks.set(t, cost);
+                }
+            }
         }
     }
 }

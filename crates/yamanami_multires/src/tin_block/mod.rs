@@ -10,6 +10,7 @@ mod cut;
 mod grid;
 mod links;
 mod net;
+mod picks;
 mod rim;
 mod seams;
 #[cfg(test)]

@@ -20,6 +20,8 @@ pub(super) struct Net {
     corners: Vec<[u32; 3]>,
     stars: Stars,
     slope: Vec<f64>,
+    /// Sum of the slopes around each vertex.
+    around: Vec<f64>,
     is_fixed: Vec<bool>,
     live: usize,
 }
@@ -33,9 +35,11 @@ impl Net {
             corners: mesh.triangles.clone(),
             stars: Stars::new(&mesh.triangles, vertices),
             slope: (0..mesh.triangles.len()).map(|t| slope_of(mesh.corners(t))).collect(),
+            around: Vec::new(),
             is_fixed: Vec::new(),
             live: mesh.triangles.len(),
         };
+        net.around = (0..vertices as u32).map(|v| net.slope_around(v)).collect();
         net.is_fixed = (0..vertices as u32).map(|v| !net.is_closed_around(v)).collect();
         net
     }
@@ -64,26 +68,42 @@ impl Net {
         TriangleMesh::new(positions, triangles)
     }
 
-    /// The triangles that share a vertex with `t`, it included; `false` where one of its vertices is fixed, so that they must
-    /// stay.
-    pub(super) fn surroundings(&self, t: u32, ring: &mut Vec<u32>) -> bool {
+    /// Whether the surroundings of a triangle may go: those with a vertex of the border must stay.
+    pub(super) fn is_free(&self, t: u32) -> bool {
+        self.corners[t as usize].iter().all(|&v| !self.is_fixed[v as usize])
+    }
+
+    /// The triangles that share a vertex with a free one, it included.
+    pub(super) fn surroundings(&self, t: u32, ring: &mut Vec<u32>) {
         ring.clear();
         let [a, b, c] = self.corners[t as usize];
-        if [a, b, c].iter().any(|&v| self.is_fixed[v as usize]) {
-            return false;
-        }
         ring.extend(self.triangles_at(a));
         ring.extend(self.triangles_at(b).filter(|&u| !self.corners[u as usize].contains(&a)));
         ring.extend(self.triangles_at(c).filter(|&u| {
             let corners = self.corners[u as usize];
             !corners.contains(&a) && !corners.contains(&b)
         }));
-        true
     }
 
-    /// Sum of the slopes of triangles.
-    pub(super) fn slope_sum(&self, ring: &[u32]) -> f64 {
-        ring.iter().map(|&t| self.slope[t as usize]).sum()
+    /// Sum of the slopes of a free triangle's surroundings, and their number. As stars close around its corners, it is in
+    /// three of them and each neighbour over an edge in two: nothing else is counted twice, however large the stars are.
+    pub(super) fn slope_sum(&self, t: u32) -> (f64, usize) {
+        let corners = self.corners[t as usize];
+        let stars: usize = corners.iter().map(|&v| self.stars.of(v).len()).sum();
+        let sum: f64 = corners.iter().map(|&v| self.around[v as usize]).sum();
+        let edges = [0, 1, 2].map(|k| [corners[k], corners[(k + 1) % 3]]);
+        let beyond: f64 = edges.iter().map(|&edge| self.beyond(t, edge).map_or(0.0, |u| self.slope[u as usize])).sum();
+        (sum - 2.0 * self.slope[t as usize] - beyond, stars - 5)
+    }
+
+    /// The neighbour over an edge.
+    fn beyond(&self, t: u32, [a, b]: [u32; 2]) -> Option<u32> {
+        let (few, other) = if self.stars.of(a).len() <= self.stars.of(b).len() { (a, b) } else { (b, a) };
+        self.triangles_at(few).find(|&u| u != t && self.corners[u as usize].contains(&other))
+    }
+
+    fn slope_around(&self, v: u32) -> f64 {
+        self.triangles_at(v).map(|t| self.slope[t as usize]).sum()
     }
 
     /// Root mean square distance in height of the vertices in and around a hole from the plane that fits them best, metres.
@@ -128,9 +148,10 @@ impl Net {
     pub(super) fn hole(&self, t: u32, ring: &[u32]) -> Option<Vec<u32>> {
         let corners = self.corners[t as usize];
         let mut edges: Vec<[u32; 2]> = ring.iter().filter_map(|&u| self.edge_away_from(u, corners)).collect();
+        edges.sort_unstable();
         // what two triangles of the surroundings share is no border
         let all = edges.clone();
-        edges.retain(|&[a, b]| !all.contains(&[b, a]));
+        edges.retain(|&[a, b]| all.binary_search(&[b, a]).is_err());
         let hole = round_of(&edges)?;
         let middle = self.centroid(t);
         let is_left = |i: usize| {
@@ -146,29 +167,35 @@ impl Net {
         let point = self.centroid(t);
         let new = self.corners[t as usize][0];
         let gone: Vec<u32> = ring.iter().flat_map(|&u| self.corners[u as usize]).collect();
-        for v in gone.into_iter().filter(|v| !hole.contains(v)) {
-            self.stars.set(v, &[]);
-        }
         for &u in ring {
             self.corners[u as usize] = [NONE; 3];
+        }
+        let mut on_hole = hole.to_vec();
+        on_hole.sort_unstable();
+        for v in gone.into_iter().filter(|v| on_hole.binary_search(v).is_err()) {
+            self.stars.set(v, &[]);
         }
         self.positions[new as usize] = point;
         // each edge of the hole belonged to a triangle that went, so there are slots enough
         let made: Vec<u32> = ring[..hole.len()].to_vec();
-        let mut middle = Vec::with_capacity(hole.len());
-        for (i, &slot) in made.iter().enumerate() {
-            self.corners[slot as usize] = [hole[i], hole[(i + 1) % hole.len()], new];
-            self.slope[slot as usize] = slope_of(self.places(slot));
-            middle.push(Corner::new(slot as usize, 2));
-        }
+        let mut star = Vec::new();
         for (i, &v) in hole.iter().enumerate() {
             let before = made[(i + made.len() - 1) % made.len()];
-            let stays = |corner: &&Corner| !ring.contains(&(corner.triangle() as u32));
-            let mut star: Vec<Corner> = self.stars.of(v).iter().filter(stays).copied().collect();
+            star.clear();
+            star.extend(self.stars.of(v).iter().filter(|corner| self.corners[corner.triangle()][0] != NONE));
             star.extend([Corner::new(before as usize, 1), Corner::new(made[i] as usize, 0)]);
             self.stars.set(v, &star);
         }
-        self.stars.set(new, &middle);
+        star.clear();
+        for (i, &slot) in made.iter().enumerate() {
+            self.corners[slot as usize] = [hole[i], hole[(i + 1) % hole.len()], new];
+            self.slope[slot as usize] = slope_of(self.places(slot));
+            star.push(Corner::new(slot as usize, 2));
+        }
+        self.stars.set(new, &star);
+        for &v in hole.iter().chain([&new]) {
+            self.around[v as usize] = self.slope_around(v);
+        }
         self.live -= ring.len() - hole.len();
         made
     }
@@ -198,19 +225,21 @@ impl Net {
             let [_, from, to] = corner.turned(&self.corners);
             [from, to]
         };
-        let edges: Vec<[u32; 2]> = self.stars.of(v).iter().map(edge).collect();
+        let mut edges: Vec<[u32; 2]> = self.stars.of(v).iter().map(edge).collect();
+        edges.sort_unstable();
         round_of(&edges).is_some()
     }
 }
 
-/// The vertices of edges that make one closed round and pass each vertex once, in its order.
+/// The vertices of sorted edges that make one closed round and pass each vertex once, in its order.
 fn round_of(edges: &[[u32; 2]]) -> Option<Vec<u32>> {
     let [first, mut at] = *edges.first()?;
     let mut round = vec![first];
     while at != first && round.len() < edges.len() {
         round.push(at);
-        let mut onward = edges.iter().filter(|edge| edge[0] == at);
-        let (&[_, to], None) = (onward.next()?, onward.next()) else { return None };
+        let i = edges.partition_point(|edge| edge[0] < at);
+        let is_one = edges.get(i + 1).is_none_or(|edge| edge[0] != at);
+        let &[_, to] = edges.get(i).filter(|edge| edge[0] == at && is_one)?;
         at = to;
     }
     (at == first && round.len() == edges.len() && round.len() >= 3).then_some(round)

@@ -5,6 +5,7 @@
 //! border and the breaklines stay lines, their vertices staying where they were surveyed or going.
 
 mod chains;
+mod look;
 mod net;
 mod points;
 mod quadric;
@@ -13,8 +14,9 @@ mod tests;
 
 use chains::Chains;
 use glam::{DVec2, DVec3};
+use look::Look;
 use net::{Kind, NONE, Net, edge_key};
-use points::{Points, Way};
+use points::Points;
 use quadric::Quadric;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -69,9 +71,24 @@ pub(crate) struct Reduced {
     pub stray_m: f64,
 }
 
-/// An edge that may be collapsed, the cheapest first; ties by number, so that there is one result.
-/// Whether its cost was measured or only estimated comes last.
-type Candidate = Reverse<(u64, u32, u32, u32, bool)>;
+/// A collapse looked at before it is done: who goes, who stays, and where.
+#[derive(Debug, Clone, Copy)]
+struct Way {
+    gone: u32,
+    kept: u32,
+    place: DVec3,
+}
+
+/// An edge that may be collapsed, in one number, so that the heap is light: its cost, its ends, how often they had changed,
+/// and whether the cost was measured or only estimated. The cheapest comes first; ties go by number, so that there is one
+/// result.
+type Candidate = Reverse<u128>;
+
+fn candidate(cost: f32, [u, v]: [u32; 2], stamp: u32, is_measured: bool) -> Candidate {
+    // bits of floats that are not negative are in their order
+    let (cost, last) = (u128::from(cost.to_bits()), stamp << 1 | u32::from(is_measured));
+    Reverse(cost << 96 | u128::from(u) << 64 | u128::from(v) << 32 | u128::from(last))
+}
 
 /// A collapse under way. Places are relative to `origin`.
 struct Run<'a> {
@@ -85,20 +102,13 @@ struct Run<'a> {
     heap: BinaryHeap<Candidate>,
     chains: Chains,
     points: Points,
+    look: Look,
     left: usize,
 }
 
 /// Twice the area in plan.
 fn area2(a: DVec3, b: DVec3, c: DVec3) -> f64 {
     (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x)
-}
-
-/// Area in plan, twice, and the same over the longest side squared.
-fn shape(a: DVec3, b: DVec3, c: DVec3) -> (f64, f64) {
-    let flat = |p: DVec3, q: DVec3| DVec2::new(q.x - p.x, q.y - p.y).length_squared();
-    let longest = flat(a, b).max(flat(b, c)).max(flat(c, a));
-    let area = area2(a, b, c);
-    (area, area / longest.max(f64::MIN_POSITIVE))
 }
 
 /// Collapses edges until the target is reached or none is left that may go.
@@ -127,6 +137,7 @@ impl<'a> Run<'a> {
             heap: BinaryHeap::with_capacity(2 * left),
             chains: Chains::default(),
             points,
+            look: Look::new(n),
             left,
         }
     }
@@ -158,29 +169,52 @@ impl<'a> Run<'a> {
         (joins(u, v) || joins(v, u)) && !self.net.star(v).any(|[_, next, _]| next == u)
     }
 
-    /// How u and v may become one: who goes, who stays, and where; the cheapest way, if there is any.
-    fn ways(&self, u: u32, v: u32) -> impl Iterator<Item = (u32, u32, DVec3)> {
+    /// How u and v may become one, and what that costs, the cheapest first; none twice.
+    fn ways(&self, u: u32, v: u32) -> impl Iterator<Item = Way> {
         let [ku, kv] = [u, v].map(|i| self.net.kinds[i as usize]);
         let [pu, pv] = [u, v].map(|i| self.net.positions[i as usize]);
         let along = |k: Kind, other: u32| matches!(k, Kind::Chain(ends) if ends.contains(&other));
-        let ways: [Option<(u32, u32, DVec3)>; 3] = match (ku, kv) {
+        let [u_goes, v_goes] = [Way { gone: u, kept: v, place: pv }, Way { gone: v, kept: u, place: pu }];
+        let ways: [Option<Way>; 3] = match (ku, kv) {
             (Kind::Free, Kind::Free) => {
-                let mut sum = self.quadrics[u as usize];
-                sum.add(&self.quadrics[v as usize]);
-                let length_m = DVec2::new(pv.x - pu.x, pv.y - pu.y).length();
-                let best = sum.best_place(0.5 * (pu + pv), 1.5 * length_m).map(|p| (u, v, self.snapped(p)));
-                [best, Some((u, v, pv)), Some((v, u, pu))]
+                let best = self.best_place(u, v).0.map(|p| Way { place: self.snapped(p), ..u_goes });
+                [best, Some(u_goes), Some(v_goes)]
             }
-            (Kind::Free, Kind::Chain(_) | Kind::Fixed) => [Some((u, v, pv)), None, None],
-            (Kind::Chain(_) | Kind::Fixed, Kind::Free) => [Some((v, u, pu)), None, None],
-            (Kind::Chain(_), Kind::Chain(_)) if along(ku, v) && along(kv, u) => {
-                [Some((u, v, pv)), Some((v, u, pu)), None]
-            }
-            (Kind::Chain(_), Kind::Fixed) if along(ku, v) => [Some((u, v, pv)), None, None],
-            (Kind::Fixed, Kind::Chain(_)) if along(kv, u) => [Some((v, u, pu)), None, None],
+            (Kind::Free, Kind::Chain(_) | Kind::Fixed) => [Some(u_goes), None, None],
+            (Kind::Chain(_) | Kind::Fixed, Kind::Free) => [Some(v_goes), None, None],
+            (Kind::Chain(_), Kind::Chain(_)) if along(ku, v) && along(kv, u) => [Some(u_goes), Some(v_goes), None],
+            (Kind::Chain(_), Kind::Fixed) if along(ku, v) => [Some(u_goes), None, None],
+            (Kind::Fixed, Kind::Chain(_)) if along(kv, u) => [Some(v_goes), None, None],
             _ => [None; 3],
         };
-        ways.into_iter().flatten()
+        let mut ways = ways.map(|way| way.map_or((f64::INFINITY, u_goes), |way| (self.cost(&way), way)));
+        ways.sort_by(|a, b| a.0.total_cmp(&b.0));
+        ways.into_iter().take_while(|way| way.0 < f64::INFINITY).map(|way| way.1)
+    }
+
+    /// The place of least error for both of two free vertices, and their quadric.
+    fn best_place(&self, u: u32, v: u32) -> (Option<DVec3>, Quadric) {
+        let [pu, pv] = [u, v].map(|i| self.net.positions[i as usize]);
+        let mut sum = self.quadrics[u as usize];
+        sum.add(&self.quadrics[v as usize]);
+        let length2 = DVec2::new(pv.x - pu.x, pv.y - pu.y).length_squared();
+        (sum.best_place(0.5 * (pu + pv), 2.25 * length2), sum)
+    }
+
+    /// What joining u and v costs about, before anything else is looked at.
+    fn estimate(&self, u: u32, v: u32) -> f64 {
+        let [ku, kv] = [u, v].map(|i| self.net.kinds[i as usize]);
+        let [pu, pv] = [u, v].map(|i| self.net.positions[i as usize]);
+        let both_at = |p: DVec3| self.quadrics[u as usize].cost(p) + self.quadrics[v as usize].cost(p);
+        match (ku, kv) {
+            (Kind::Free, Kind::Free) => match self.best_place(u, v) {
+                (Some(place), sum) => sum.cost(place),
+                (None, sum) => sum.cost(pu).min(sum.cost(pv)),
+            },
+            (Kind::Free, _) => both_at(pv),
+            (_, Kind::Free) => both_at(pu),
+            _ => self.ways(u, v).map(|way| self.cost(&way)).fold(f64::INFINITY, f64::min),
+        }
     }
 
     fn snapped(&self, p: DVec3) -> DVec3 {
@@ -192,7 +226,7 @@ impl<'a> Run<'a> {
 
     /// What joining costs: vertical squares over the area, and for lines how far they stray, squared, times their length
     /// squared. Infinite where a line would stray too far.
-    fn cost(&self, gone: u32, kept: u32, place: DVec3) -> f64 {
+    fn cost(&self, &Way { gone, kept, place }: &Way) -> f64 {
         let mut cost = self.quadrics[gone as usize].cost(place) + self.quadrics[kept as usize].cost(place);
         if let Some((other, stray_m)) = self.stray(gone, kept) {
             if stray_m > self.task.most_stray_m {
@@ -212,140 +246,48 @@ impl<'a> Run<'a> {
     }
 
     fn candidate(&self, u: u32, v: u32) -> Option<Candidate> {
-        let best =
-            self.ways(u, v).map(|(gone, kept, place)| self.cost(gone, kept, place)).fold(f64::INFINITY, f64::min);
-        // bits of floats that are not negative are in their order
-        (best < f64::INFINITY).then(|| {
-            Reverse((best.to_bits(), u, v, self.stamps[u as usize].wrapping_add(self.stamps[v as usize]), false))
-        })
+        let cost = self.estimate(u, v) as f32;
+        (cost < f32::INFINITY).then(|| candidate(cost, [u, v], self.stamp(u, v), false))
+    }
+
+    /// How often two vertices have changed.
+    fn stamp(&self, u: u32, v: u32) -> u32 {
+        (self.stamps[u as usize].wrapping_add(self.stamps[v as usize])) & (u32::MAX >> 1)
     }
 
     fn work(&mut self) {
-        let mut around = Vec::with_capacity(MOST_AROUND);
-        let (mut gathered, mut fan) = (Vec::new(), Vec::new());
         while self.left > self.task.target {
-            let Some(Reverse((bits, u, v, stamp, is_measured))) = self.heap.pop() else { return };
+            let Some(Reverse(entry)) = self.heap.pop() else { return };
+            let (u, v, last) = ((entry >> 64) as u32, (entry >> 32) as u32, entry as u32);
             let is_there = |i: u32| self.net.kinds[i as usize] != Kind::Gone;
-            if !(is_there(u) && is_there(v)) || self.stamps[u as usize].wrapping_add(self.stamps[v as usize]) != stamp {
+            if !(is_there(u) && is_there(v)) || self.stamp(u, v) != last >> 1 {
                 continue;
             }
-            if !self.may_join(u, v) {
+            if !self.look.may_join(&self.net, u, v) {
                 continue;
             }
-            let Some(way) = self.best_way(u, v) else { continue };
-            self.points.gather(&self.net, way, &mut gathered);
-            if !is_measured {
-                let (worst, area) = self.points.lift(&self.net, way, &gathered, &mut fan);
-                let spike = (SPIKE * worst * area).to_bits();
-                if spike > bits {
-                    self.heap.push(Reverse((spike, u, v, stamp, true)));
+            let Some(way) = self.ways(u, v).find(|way| self.look.keeps_shape(&self.net, u, way)) else { continue };
+            let (worst, area) = self.look.lift(&self.net, &self.points, u, &way);
+            if last & 1 == 0 {
+                let spike = (SPIKE * worst * area) as f32;
+                if spike > f32::from_bits((entry >> 96) as u32) {
+                    self.heap.push(candidate(spike, [u, v], last >> 1, true));
                     continue;
                 }
             }
-            let Way { gone, kept, place } = way;
-            self.join(gone, kept, place);
-            self.points.put(&self.net, kept, &gathered);
-            around.clear();
-            around.extend(self.net.star(kept).flat_map(|[_, from, to]| [from, to]));
-            around.sort_unstable();
-            around.dedup();
-            for &n in &around {
-                if let Some(candidate) = self.candidate(kept.min(n), kept.max(n)) {
+            self.join(&way);
+            self.look.put(&mut self.points);
+            let mut look = std::mem::take(&mut self.look);
+            look.for_each_around(|n| {
+                if let Some(candidate) = self.candidate(way.kept.min(n), way.kept.max(n)) {
                     self.heap.push(candidate);
                 }
-            }
+            });
+            self.look = look;
         }
     }
 
-    /// The cheapest way to join two vertices that keeps every triangle in shape.
-    fn best_way(&self, u: u32, v: u32) -> Option<Way> {
-        let mut best: Option<(f64, Way)> = None;
-        for (gone, kept, place) in self.ways(u, v) {
-            let cost = self.cost(gone, kept, place);
-            if best.is_none_or(|(least, _)| cost < least) && cost < f64::INFINITY && self.keeps_shape(gone, kept, place)
-            {
-                best = Some((cost, Way { gone, kept, place }));
-            }
-        }
-        best.map(|(_, way)| way)
-    }
-
-    /// Whether the surface stays one: the neighbours of both are the tips of the triangles of both, and no line closes.
-    fn may_join(&self, u: u32, v: u32) -> bool {
-        let (mut count, mut tips) = (0, [NONE; 2]);
-        for [_, from, to] in self.net.star(u) {
-            let tip = if from == v {
-                to
-            } else if to == v {
-                from
-            } else {
-                continue;
-            };
-            if count == 2 {
-                return false;
-            }
-            tips[count] = tip;
-            count += 1;
-        }
-        if count == 0 {
-            return false;
-        }
-        let of_line = |w: u32| match self.net.kinds[w as usize] {
-            Kind::Chain(ends) => ends,
-            _ => [NONE; 2],
-        };
-        let [lu, lv] = [of_line(u), of_line(v)];
-        // the other neighbour along the line must not be a tip, nor be the other's too
-        let closes = |line: [u32; 2]| line.iter().any(|w| *w != NONE && tips[..count].contains(w));
-        if (lu.contains(&v) || lv.contains(&u)) && (closes(lu) || closes(lv)) {
-            return false;
-        }
-        if lu.contains(&v) && lv.contains(&u) && lu.iter().any(|w| *w != v && lv.contains(w)) {
-            return false;
-        }
-        let mut common = 0;
-        let mut sizes = [0usize; 2];
-        let mut seen: [u32; 2 * MOST_AROUND] = [NONE; 2 * MOST_AROUND];
-        for [_, from, to] in self.net.star(u) {
-            for w in [from, to] {
-                if w != v && !seen[..sizes[0]].contains(&w) {
-                    if sizes[0] == seen.len() {
-                        return false;
-                    }
-                    seen[sizes[0]] = w;
-                    sizes[0] += 1;
-                }
-            }
-        }
-        let mut counted: [u32; 2] = [NONE; 2];
-        for [_, from, to] in self.net.star(v) {
-            sizes[1] += 1;
-            for w in [from, to] {
-                if w != u && seen[..sizes[0]].contains(&w) && !counted[..common.min(2)].contains(&w) {
-                    if common == 2 {
-                        return false;
-                    }
-                    counted[common] = w;
-                    common += 1;
-                }
-            }
-        }
-        common == count && sizes[0] + sizes[1] <= MOST_AROUND + 4
-    }
-
-    /// Whether every triangle that stays keeps its side up and does not become a sliver.
-    fn keeps_shape(&self, gone: u32, kept: u32, place: DVec3) -> bool {
-        let p = |v: u32| self.net.positions[v as usize];
-        let is_sound = |v: u32, other: u32| {
-            self.net.star(v).filter(|t| !t.contains(&other)).all(|[_, from, to]| {
-                let (area, now) = shape(place, p(from), p(to));
-                area > 0.0 && now > THINNEST && (now >= LEAST_SHAPE || now >= shape(p(v), p(from), p(to)).1)
-            })
-        };
-        is_sound(gone, kept) && (place == p(kept) || is_sound(kept, gone))
-    }
-
-    fn join(&mut self, gone: u32, kept: u32, place: DVec3) {
+    fn join(&mut self, &Way { gone, kept, place }: &Way) {
         if let Some((other, _)) = self.stray(gone, kept) {
             self.chains.join(&self.net.positions, kept, gone, other);
             for (v, from, to) in [(kept, gone, other), (other, gone, kept)] {

@@ -67,8 +67,17 @@ impl Net {
         }
         // around a vertex, each neighbour is where one triangle ends and the next begins; on the border it is one alone
         let mut around: Vec<(u32, i32)> = Vec::with_capacity(16);
+        let mut ring: Vec<[u32; 2]> = Vec::with_capacity(16);
         for v in 0..self.positions.len() as u32 {
             if self.head[v as usize] == NONE {
+                continue;
+            }
+            if is_locked[v as usize] {
+                self.kinds[v as usize] = Kind::Fixed;
+                continue;
+            }
+            if self.is_closed(v, &mut ring) && !on_lines.contains_key(&v) {
+                self.kinds[v as usize] = Kind::Free;
                 continue;
             }
             around.clear();
@@ -94,12 +103,26 @@ impl Net {
                 line.dedup();
             }
             self.kinds[v as usize] = match line[..] {
-                _ if is_locked[v as usize] || !is_plain => Kind::Fixed,
+                _ if !is_plain => Kind::Fixed,
                 [] => Kind::Free,
                 [a, b] => Kind::Chain([a, b]),
                 _ => Kind::Fixed,
             };
         }
+    }
+
+    /// Whether the triangles around a vertex close one ring.
+    fn is_closed(&self, v: u32, ring: &mut Vec<[u32; 2]>) -> bool {
+        ring.clear();
+        ring.extend(self.star(v).map(|[_, from, to]| [from, to]));
+        let [first, mut at] = ring[0];
+        for _ in 1..ring.len() {
+            match ring.iter().find(|side| side[0] == at) {
+                Some(&[_, to]) if at != first => at = to,
+                _ => return false,
+            }
+        }
+        at == first
     }
 
     /// The corners of a vertex that are alive.
@@ -117,16 +140,19 @@ impl Net {
         })
     }
 
+    /// The triangle of a corner, turned to begin with it.
+    pub(super) fn turned(&self, corner: u32) -> [u32; 3] {
+        let t = self.triangles[corner as usize / 3];
+        match corner % 3 {
+            0 => t,
+            1 => [t[1], t[2], t[0]],
+            _ => [t[2], t[0], t[1]],
+        }
+    }
+
     /// The triangles around a vertex, turned to begin with it.
     pub(super) fn star(&self, v: u32) -> impl Iterator<Item = [u32; 3]> {
-        self.corners(v).map(|corner| {
-            let t = self.triangles[corner as usize / 3];
-            match corner % 3 {
-                0 => t,
-                1 => [t[1], t[2], t[0]],
-                _ => [t[2], t[0], t[1]],
-            }
-        })
+        self.corners(v).map(|corner| self.turned(corner))
     }
 
     /// Joins `gone` to `kept`: the triangles with both vanish, those of `gone` become `kept`'s. Gives how many vanished.

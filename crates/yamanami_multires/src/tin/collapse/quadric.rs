@@ -70,17 +70,15 @@ impl Quadric {
         (square + plane).max(0.0)
     }
 
-    /// The height of least error at a place in plan.
-    fn height(&self, x: f64, y: f64) -> f64 {
-        (self.a * x + self.b * y + self.c) / self.w
-    }
-
-    /// The place of least error near `middle`; `None` when there are no planes or it is further away than `reach_m` in plan.
-    pub(super) fn best_place(&self, middle: DVec3, reach_m: f64) -> Option<DVec3> {
+    /// The place of least error near `middle`; `None` when there are no planes or its square distance in plan is
+    /// more than `reach2_m2`.
+    pub(super) fn best_place(&self, middle: DVec3, reach2_m2: f64) -> Option<DVec3> {
         if self.w <= 0.0 {
             return None;
         }
-        let (ma, mb) = (self.a / self.w, self.b / self.w);
+        let share = 1.0 / self.w;
+        let (ma, mb) = (self.a * share, self.b * share);
+        let height = |x: f64, y: f64| (self.a * x + self.b * y + self.c) * share;
         // how the planes' gradients spread about their mean
         let haa = self.aa - ma * self.a;
         let hab = self.ab - ma * self.b;
@@ -91,15 +89,15 @@ impl Quadric {
         let gy = hab * middle.x + hbb * middle.y + self.bc - mb * self.c;
         let det = m00 * m11 - m01 * m01;
         if det.is_nan() || det <= 1e-12 * m00 * m11 {
-            return Some(middle.with_z(self.height(middle.x, middle.y)));
+            return Some(middle.with_z(height(middle.x, middle.y)));
         }
-        let dx = -(m11 * gx - m01 * gy) / det;
-        let dy = -(m00 * gy - m01 * gx) / det;
-        if !(dx * dx + dy * dy <= reach_m * reach_m) {
+        let scale = -1.0 / det;
+        let (dx, dy) = ((m11 * gx - m01 * gy) * scale, (m00 * gy - m01 * gx) * scale);
+        if !(dx * dx + dy * dy <= reach2_m2) {
             return None;
         }
         let (x, y) = (middle.x + dx, middle.y + dy);
-        Some(DVec3::new(x, y, self.height(x, y)))
+        Some(DVec3::new(x, y, height(x, y)))
     }
 }
 
@@ -114,7 +112,7 @@ mod tests {
         let mut sum = of([0.0, 0.0, 0.0], [2.0, 0.0, 2.0], [0.0, 2.0, 0.0]);
         sum.add(&of([2.0, 0.0, 2.0], [4.0, 0.0, 0.0], [2.0, 2.0, 2.0]));
         sum.add(&of([0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [2.0, 2.0, 2.0]));
-        let best = sum.best_place(DVec3::new(1.8, 1.8, 0.0), 5.0).unwrap();
+        let best = sum.best_place(DVec3::new(1.8, 1.8, 0.0), 25.0).unwrap();
         assert!(best.distance(DVec3::new(2.0, 2.0, 2.0)) < 0.05, "{best}");
         assert!(sum.cost(DVec3::new(2.0, 2.0, 2.0)) < 1e-12);
         assert!(sum.cost(best) <= sum.cost(DVec3::new(1.8, 1.8, 1.8)));

@@ -9,6 +9,7 @@ use glam::DVec3;
 use spade::handles::FixedVertexHandle;
 use spade::{Point2, PositionInTriangulation, Triangulation};
 use std::collections::{HashMap, HashSet};
+use std::ops::Range;
 use yamanami_core::{Breakline, BreaklineKind};
 
 /// Notes of one sort that are written out.
@@ -46,6 +47,8 @@ pub(super) struct Weaver<'a> {
     positions: &'a mut Vec<DVec3>,
     line_of: &'a mut Vec<u32>,
     lines: &'a [Breakline],
+    /// Vertices that were given without a height: what a line says there counts for nothing.
+    heightless: Range<u32>,
     tolerance_m: f64,
     touch_m: f64,
     woven: Woven,
@@ -64,6 +67,7 @@ impl<'a> Weaver<'a> {
         positions: &'a mut Vec<DVec3>,
         line_of: &'a mut Vec<u32>,
         lines: &'a [Breakline],
+        heightless: Range<u32>,
         tolerance_m: f64,
     ) -> Self {
         let size = positions.iter().fold(0.0, |size: f64, p| size.max(p.x.abs()).max(p.y.abs()));
@@ -75,6 +79,7 @@ impl<'a> Weaver<'a> {
             positions,
             line_of,
             lines,
+            heightless,
             tolerance_m,
             touch_m,
             woven,
@@ -157,6 +162,9 @@ impl<'a> Weaver<'a> {
 
     /// A line passes exactly through a vertex.
     fn meet(&mut self, vertex: u32, Kept { line, step, .. }: Kept) {
+        if self.is_heightless(step) {
+            return;
+        }
         let p = self.positions[vertex as usize];
         let z_m = self.height_of(step, p);
         let by_m = (z_m - p.z).abs();
@@ -216,12 +224,18 @@ impl<'a> Weaver<'a> {
         let area = along.x * across.y - along.y * across.x;
         let t = ((apart.x * across.y - apart.y * across.x) / area).clamp(0.0, 1.0);
         let p = if t.is_nan() { a } else { a + along * t };
-        let mut sides = of.map(|kept| (rank(self.kind(kept.line)), kept.line, self.height_of(kept.step, p)));
-        if (sides[1].0, sides[1].1) < (sides[0].0, sides[0].1) {
+        let mut sides = of.map(|kept| {
+            let order = (self.is_heightless(kept.step), rank(self.kind(kept.line)), kept.line);
+            (order, self.height_of(kept.step, p))
+        });
+        if sides[1].0 < sides[0].0 {
             sides.swap(0, 1);
         }
-        let [(first_rank, first, first_z_m), (second_rank, second, second_z_m)] = sides;
+        let [((_, first_rank, first), first_z_m), ((is_heightless, second_rank, second), second_z_m)] = sides;
         let by_m = (first_z_m - second_z_m).abs();
+        if is_heightless {
+            return p.with_z(first_z_m);
+        }
         if by_m > self.tolerance_m {
             self.disputed.push((first, second, p, by_m));
         } else if first_rank == second_rank {
@@ -229,6 +243,10 @@ impl<'a> Weaver<'a> {
             return p.with_z(0.5 * (first_z_m + second_z_m));
         }
         p.with_z(first_z_m)
+    }
+
+    fn is_heightless(&self, step: [u32; 2]) -> bool {
+        step.iter().any(|end| self.heightless.contains(end))
     }
 
     /// Height of a line's step at a place on it.

@@ -63,8 +63,11 @@ pub fn triangulate(
 ) -> Result<Triangulated, MultiresError> {
     let mut notes = Vec::new();
     let Vertices { mut positions, paths, mut line_of } = vertices::gather(points, lines, &mut notes)?;
-    let mut cdt = load(&mut positions)?;
-    let mut weaver = Weaver::new(&mut cdt, &mut positions, &mut line_of, lines, options.crossing_tolerance_m);
+    let with_height = positions.iter().take_while(|p| !p.z.is_nan()).count();
+    let heightless = with_height as u32..positions.len() as u32;
+    let mut cdt = load(&mut positions, with_height)?;
+    let tolerance_m = options.crossing_tolerance_m;
+    let mut weaver = Weaver::new(&mut cdt, &mut positions, &mut line_of, lines, heightless, tolerance_m);
     for (line, path) in paths.iter().enumerate() {
         weaver.weave(line as u32, path);
     }
@@ -88,9 +91,8 @@ pub fn triangulate(
 }
 
 /// Triangulates the vertices with heights, then finds those of the others, which come last.
-fn load(positions: &mut [DVec3]) -> Result<Cdt, MultiresError> {
+fn load(positions: &mut [DVec3], with_height: usize) -> Result<Cdt, MultiresError> {
     let failed = |_| MultiresError::NoNetwork { points: positions.len() };
-    let with_height = positions.iter().take_while(|p| !p.z.is_nan()).count();
     let plan = |p: &DVec3| Point2::new(p.x, p.y);
     let mut cdt =
         Cdt::bulk_load_cdt(positions[..with_height].iter().map(plan).collect(), Vec::new()).map_err(failed)?;

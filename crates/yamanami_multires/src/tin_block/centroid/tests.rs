@@ -50,18 +50,16 @@ fn each_step_is_the_cheapest_that_a_slow_search_finds() {
             (0..mesh.triangles.len()).map(|t| mesh.corners(t)).collect::<Vec<_>>()
         };
         let mut left = triangles(&work);
-        while let Some(Reverse(pick)) = work.heap.pop() {
-            if work.stamp[pick.triangle as usize] != pick.stamp {
-                continue;
-            }
-            let (picked, before) = (work.net.places(pick.triangle), work.net.len());
-            work.step(pick.triangle);
+        while let Some(triangle) = work.picks.least() {
+            let (picked, cost_here) = (work.net.places(triangle), work.picks.cost(triangle));
+            let before = work.net.len();
+            work.step(triangle);
             if work.net.len() == before {
                 continue;
             }
             let least = left.iter().filter_map(|&t| slow_pick(&left, t)).map(|(cost, _)| cost).fold(f64::MAX, f64::min);
             let (cost, rest) = slow_pick(&left, picked).unwrap();
-            assert!((cost - pick.cost).abs() < 1e-12 && cost <= least + 1e-12, "{cost} {least}");
+            assert!((cost - cost_here).abs() < 1e-12 && cost <= least + 1e-12, "{cost} {least}");
             left = triangles(&work);
             assert!(as_set(&left) == as_set(&rest));
         }
