@@ -1,12 +1,14 @@
-//! One page of a model's database from any bytes: an error or a page of the right shape, never a panic.
+//! One page of a scan's or TIN's database from any bytes: an error or a page of the right shape, never a panic.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use yamanami_core::Aabb;
-use yamanami_io::store::{ClusterCodec, ClusterMeta, PageShape};
+use yamanami_core::{Aabb, Crs, Snap};
+use yamanami_io::store::{ClusterCodec, ClusterMeta, PageShape, TinMeta};
 
 fuzz_target!(|data: &[u8]| {
     let [vertices, triangles, flags, bytes @ ..] = data else { return };
+    let is_tin = flags & 2 == 2;
+    let snap = Snap { unit_m: 1.0, per_unit: 1000.0 };
     let meta = ClusterMeta {
         title: String::new(),
         source: String::new(),
@@ -19,11 +21,12 @@ fuzz_target!(|data: &[u8]| {
         nodes: 1,
         triangles: 1,
         vertices: 3,
+        tin: is_tin.then(|| TinMeta { crs: Crs::default(), unit_m: 1.0, snap }),
     };
     let codec = ClusterCodec::new(&meta);
     let shape = PageShape {
         group: 0,
-        first_vertex: u32::from(flags >> 1),
+        first_vertex: u32::from(flags >> 2),
         vertices: u32::from(*vertices),
         triangles: u64::from(*triangles),
         replaced_triangles: 64,

@@ -1,6 +1,8 @@
 //! TINs from whatever survey: TIN files, points with breaklines, elevation grids; read, mended, ready to be built.
 
 use crate::{Criteria, Error, Model, extract};
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use yamanami_core::{Breakline, BreaklineKind, Crs, Tin};
 use yamanami_io::points::{
@@ -46,7 +48,14 @@ pub fn is_tin_file(path: &Path) -> bool {
     }
     let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     let may_be_grid = ["xml", "gml", "gz", "zst"].contains(&ending.as_str());
-    !may_be_grid || dem::open(&[PathBuf::from(path)], &dem::OpenOptions::default()).is_err()
+    !may_be_grid || (!begins_as_grid(path) && dem::open(&[PathBuf::from(path)], &dem::OpenOptions::default()).is_err())
+}
+
+/// Whether an XML file begins as elevation grids of the Geospatial Information Authority of Japan do, sound or not.
+fn begins_as_grid(path: &Path) -> bool {
+    let mut head = Vec::new();
+    let read = File::open(path).and_then(|file| file.take(4096).read_to_end(&mut head));
+    read.is_ok() && head.windows(8).any(|word| word == b"<Dataset")
 }
 
 fn is_yama(path: &Path) -> bool {
@@ -71,7 +80,8 @@ pub fn read_ground(paths: &[PathBuf], options: &GroundOptions) -> Result<ReadGro
         of_file(first, options)?
     };
     if read.tin.mesh.triangles.is_empty() {
-        return Err(Error::Request(format!("{}: expected a TIN with triangles, found none", first.display())));
+        let why = if read.notes.is_empty() { String::new() } else { format!(" ({})", read.notes.join("; ")) };
+        return Err(Error::Request(format!("{}: expected a TIN with triangles, found none{why}", first.display())));
     }
     Ok(read)
 }
@@ -119,7 +129,8 @@ fn of_points(paths: &[PathBuf], options: &GroundOptions) -> Result<ReadGround, E
     }
     let lines = lines(options, &crs, unit_m, &mut notes)?;
     let delaunay = DelaunayOptions { longest_edge_m: options.longest_edge_m, ..DelaunayOptions::default() };
-    let made = triangulate(&points, &lines, &delaunay)?;
+    let made =
+        triangulate(&points, &lines, &delaunay).map_err(|e| Error::Request(format!("{}: {e}", paths[0].display())))?;
     notes.extend(made.notes);
     let name = paths[0].file_stem().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
     Ok(ReadGround { tin: Tin { name, crs, unit_m, ..made.tin }, notes })
@@ -139,8 +150,16 @@ fn lines(options: &GroundOptions, crs: &Crs, unit_m: f64, notes: &mut Vec<String
             lines.extend(read.lines);
             notes.extend(read.notes);
         } else {
-            let read = tin_file::read_tin(path, &options.tin)?;
-            lines.extend(read.tin.breaklines);
+            // which surface is asked of the terrain, not of its lines
+            let reading = TinReadOptions { surface: None, ..options.tin.clone() };
+            let read = tin_file::read_breaklines(path, &reading)?;
+            if let (Some(own), Some(wanted)) = (read.crs.epsg, crs.epsg)
+                && own != wanted
+            {
+                let why = format!("its lines are in EPSG:{own}, the surface in EPSG:{wanted}");
+                return Err(Error::Request(format!("{}: {why}", path.display())));
+            }
+            lines.extend(read.lines);
             notes.extend(read.notes);
         }
     }

@@ -5,6 +5,7 @@ use crate::failure::Failure;
 use crate::progress::{Bar, note};
 use std::path::{Path, PathBuf};
 use yamanami::core::{HeightField, TriangleMesh};
+use yamanami::io::points::is_points_name;
 use yamanami::io::tin_file::TinReadOptions;
 use yamanami::io::{IoError, dem, mesh_file, progressive, store::ClusterStore};
 use yamanami::{FullSurface, Model, Terrain, WaveletModel};
@@ -33,7 +34,13 @@ pub(crate) fn subject(source: &SourceArgs) -> Result<Opened, Failure> {
         model.notes().iter().for_each(|line| note(&format!("note: {line}")));
         return Ok(Opened::Model(Box::new(model)));
     }
-    Ok(Opened::Terrain(Box::new(open(&source.sources, &source.reading)?)))
+    match open(&source.sources, &source.reading) {
+        Err(_) if source.sources.iter().all(|p| is_points_name(p) && p.is_file()) => Err(Failure::failed(format!(
+            "{}: points are no surface yet: yamanami tin makes a TIN of them",
+            source.sources[0].display()
+        ))),
+        opened => Ok(Opened::Terrain(Box::new(opened?))),
+    }
 }
 
 /// Whether a file is a TIN by its format; meshes may be TINs and do not count.

@@ -369,10 +369,18 @@ proptest! {
     }
 
     #[test]
-    fn damaged_pages_are_told(at in any::<prop::sample::Index>(), flip in 1u8..=255, cut in any::<bool>()) {
-        let model = model(2);
+    fn damaged_pages_are_told(
+        at in any::<prop::sample::Index>(), flip in 1u8..=255, cut in any::<bool>(), is_tin in any::<bool>(),
+    ) {
+        let mut model = model(2);
+        let snap = Snap { unit_m: 1.0, per_unit: 1000.0 };
+        let tin = is_tin.then(|| TinMeta { crs: Crs::default(), unit_m: 1.0, snap });
+        if is_tin {
+            // between the steps of the lattice
+            model.pages[1].vertices.iter_mut().for_each(|v| v.position_m[0] += 1.23e-5);
+        }
         let (page, first) = (&model.pages[1], model.nodes[1].first_vertex);
-        let codec = ClusterCodec::new(&model.meta());
+        let codec = ClusterCodec::new(&ClusterMeta { tin, ..model.meta() });
         let mut bytes = codec.encode(page, first).unwrap();
         let i = at.index(bytes.len());
         if cut {
@@ -391,8 +399,13 @@ proptest! {
     }
 
     #[test]
-    fn any_bytes_are_safe(bytes in proptest::collection::vec(any::<u8>(), 0..300), vertices in 0u32..100, triangles in 0u64..200) {
-        let codec = ClusterCodec::new(&model(1).meta());
+    fn any_bytes_are_safe(
+        bytes in proptest::collection::vec(any::<u8>(), 0..300), vertices in 0u32..100, triangles in 0u64..200,
+        is_tin in any::<bool>(),
+    ) {
+        let snap = Snap { unit_m: 1.0, per_unit: 1000.0 };
+        let tin = is_tin.then(|| TinMeta { crs: Crs::default(), unit_m: 1.0, snap });
+        let codec = ClusterCodec::new(&ClusterMeta { tin, ..model(1).meta() });
         let shape = PageShape { group: 3, first_vertex: 9, vertices, triangles, replaced_triangles: 100 };
         let _ = codec.decode(shape, &bytes);
     }

@@ -117,7 +117,7 @@ fn what_is_wrong_is_dropped_and_told_once_a_kind() {
     assert_eq!(
         read.notes,
         [
-            "1 points without a place dropped",
+            "points without a place within 1e12 m dropped: 1, first point 4",
             "points with the id of another one dropped: 1, first at line 11",
             "points that are not three numbers dropped: 2, first at line 12",
             "points without an id above zero dropped: 1, first at line 14",
@@ -189,8 +189,8 @@ fn old_encodings_are_read() {
 #[test]
 fn errors_are_one_line_with_their_place() {
     for (text, expected) in [
-        ("", "a.xml: line 1: expected <LandXML> or <CityModel>, found no element"),
-        ("<html/>", "a.xml: line 1: expected <LandXML> or <CityModel>, found <html>"),
+        ("", "a.xml: line 1: expected <LandXML>, <CityModel> or, of an elevation grid, <Dataset>, found no element"),
+        ("<html/>", "a.xml: line 1: expected <LandXML>, <CityModel> or, of an elevation grid, <Dataset>, found <html>"),
         ("<LandXML>\n</LandXML>", "a.xml: Surfaces: expected a surface, found none"),
         ("<LandXML>\n<Units>", "a.xml: line 2: expected the ends of all elements, found the end of the file"),
         ("<CityModel/>", "a.xml: TINRelief: expected triangles, found none, and 0 lines"),

@@ -3,7 +3,8 @@
 //! [`SyntheticTerrain`] makes height fields of any size, whole or by windows. [`laws`] holds the contracts of
 //! [`yamanami_core::Hierarchy`] and [`yamanami_core::Surface`] as checks that panic with what was broken and where, so
 //! that a law is written once and run over every method. [`RandomFront`] wanders through the legal fronts of a hierarchy.
-//! [`models`] makes small closed and open surfaces, [`carved`] balls; [`Pagoda`] is a made laser scan of a building, up to 20 million triangles.
+//! [`models`] makes small closed and open surfaces, [`carved`] balls; [`Pagoda`] is a made laser scan of a building, up to 20 million triangles,
+//! [`Survey`] the points and breaklines of a terrain with a road and a river.
 #![forbid(unsafe_code)]
 
 mod carved;
@@ -17,6 +18,7 @@ mod pagoda;
 pub mod rng;
 mod solid;
 mod strict_sink;
+mod survey;
 mod terrain;
 
 pub use carved::{Relief, carved};
@@ -27,4 +29,5 @@ pub use pagoda::{Pagoda, Region};
 pub use rng::Rng;
 pub use solid::{ball, ring, torus};
 pub use strict_sink::StrictSink;
+pub use survey::Survey;
 pub use terrain::{Shape, Spacing, SyntheticTerrain};

@@ -3,7 +3,7 @@
 use crate::args::ReadingArgs;
 use crate::commands::check::Check;
 use crate::failure::Failure;
-use crate::pictures::{self, PICTURE_ENDINGS};
+use crate::pictures::PICTURE_ENDINGS;
 use crate::progress::Bar;
 use crate::{inputs, out, text};
 use clap::{Args, ValueEnum};
@@ -14,6 +14,7 @@ use yamanami::core::{HeightField, TriangleMesh};
 use yamanami::io::dem;
 use yamanami::measure::tin::{PlanIndex, VerticalDifference, vertical_difference};
 use yamanami::measure::{FLIP_PIXELS_PER_DEGREE, flip, mean_abs_difference, ssim, surface_distance};
+use yamanami::read_picture;
 
 /// Measure how far two terrains, meshes or pictures are apart
 #[derive(Debug, Args)]
@@ -66,7 +67,7 @@ pub(crate) fn run(args: &CompareArgs) -> Result<(), Failure> {
 }
 
 fn compare_pictures(args: &CompareArgs) -> Result<(), Failure> {
-    let (a, b) = (pictures::read(&args.a)?, pictures::read(&args.b)?);
+    let (a, b) = (read_picture(&args.a, None)?, read_picture(&args.b, None)?);
     let bar = Bar::spinner("comparing");
     let (ssim, mean) = (ssim(&a, &b)?, mean_abs_difference(&a, &b)?);
     let flip = flip(&a, &b, FLIP_PIXELS_PER_DEGREE)?;

@@ -15,7 +15,7 @@ use std::time::Instant;
 use yamanami::core::{Tin, TriangleMesh};
 use yamanami::io::mesh_file::{self, MeshMeta, write_mesh};
 use yamanami::io::tin_file;
-use yamanami::{Extracted, Frame, LimitedBy, Subject, Terrain, WaveletModel, to_frame};
+use yamanami::{Extracted, Frame, GroundImage, LimitedBy, Subject, Terrain, WaveletModel, to_frame};
 
 /// Extract a mesh: within a tolerance, for a view, or of so many triangles
 #[derive(Debug, Args)]
@@ -26,6 +26,8 @@ Examples:
   yamanami extract dem.yama --budget 50000 -o dem.obj         the least error of 50,000 triangles
   yamanami extract dem.yama --eye 138.6,35.2,6000 --target 138.73,35.36,3000 -o view.stl
                                                 as fine as this view asks, coarse outside it
+  yamanami extract ground.yama --tolerance 0.1 --texture aerial.jpg -o ground.glb
+                                                with the part of the photo that it covers
   yamanami extract scan.yama --tolerance 0.001 -o scan.ply    a model, within 1 mm of the scan
   yamanami extract prog.yama --bytes 20000 -o scan.ply        what the first 20,000 bytes of a progressive model tell
 
@@ -50,6 +52,10 @@ pub(crate) struct ExtractArgs {
     /// when that is projected or absent, else local. A model always keeps its own
     #[arg(long, value_enum, help_heading = "Results")]
     frame: Option<FrameName>,
+    /// Give the mesh a texture: the part of an image (PNG, JPEG) that it covers, by its world file (.wld, .pgw, .jgw) where
+    /// there is one, else the image lies over the whole of the surface, north up. Of .glb, .obj and .ply
+    #[arg(long, value_name = "IMAGE", help_heading = "Results")]
+    texture: Option<PathBuf>,
     /// Measure the true error at every sample (of a model: of many) and look for cracks; a broken promise is a failure
     #[arg(long, help_heading = "Results")]
     check: bool,
@@ -60,6 +66,9 @@ pub(crate) struct ExtractArgs {
 
 /// Endings of what can be written: meshes, and TINs.
 const ENDINGS: [&str; 10] = ["glb", "ply", "obj", "stl", "off", "xml", "landxml", "dxf", "2dm", "gpkg"];
+
+/// Endings of what can have a texture.
+const TEXTURED: [&str; 3] = ["glb", "obj", "ply"];
 
 /// Names of frames.
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -72,6 +81,9 @@ enum FrameName {
 
 pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
     inputs::check_output(&args.output, &ENDINGS, &args.source.sources)?;
+    if args.texture.is_some() {
+        inputs::check_output(&args.output, &TEXTURED, &[])?;
+    }
     if let Some(bytes) = args.bytes {
         let [path] = args.source.sources.as_slice() else {
             return Err(Failure::misuse("--bytes reads the beginning of one progressive model"));
@@ -159,13 +171,20 @@ fn from<S: Subject>(
     let view = viewed.then(|| args::view(&args.eye, &args.lens, subject, [1920, 1080]));
     let criteria = args.fineness.criteria(view, !args.lens.no_cull, 1.0);
     let started = Instant::now();
-    let Extracted { mesh, error_left, limited_by } = {
+    let Extracted { mut mesh, error_left, limited_by } = {
         let _bar = Bar::spinner("extracting");
         yamanami::extract(subject, &criteria)?
     };
     let extract_ms = started.elapsed().as_secs_f64() * 1e3;
     let check = if args.check { Some(check(subject, &mesh)?) } else { None };
     let (triangles, vertices) = (mesh.triangles.len(), mesh.positions.len());
+    if let Some(image) = &args.texture {
+        if !subject.is_ground() {
+            return Err(Failure::misuse("--texture is for terrain and TINs; a scan has the colours of its file"));
+        }
+        let _bar = Bar::spinner("cutting the texture");
+        GroundImage::read(image, None)?.texture(subject, &mut mesh)?;
+    }
     let mesh = to_frame(subject, mesh, frame);
     let unit = if viewed { "px" } else { "m" };
     {

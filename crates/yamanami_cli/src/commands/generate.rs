@@ -1,5 +1,6 @@
-//! `generate`: synthetic terrain of any size, and a made scan of a pagoda, for trying and timing.
+//! `generate`: synthetic terrain of any size, a made survey, and a made scan of a pagoda, for trying and timing.
 
+use super::generate_tin;
 use crate::failure::Failure;
 use crate::progress::Bar;
 use crate::{inputs, out, text, values};
@@ -10,7 +11,7 @@ use yamanami::io::dem;
 use yamanami::io::mesh_file::{MeshMeta, write_mesh};
 use yamanami_testkit::{Holes, Pagoda, Relief, Shape, Spacing, SyntheticTerrain, carved};
 
-/// Make synthetic terrain, the scan of a pagoda, or a ball, of any size
+/// Make synthetic terrain, a TIN, the scan of a pagoda, or a ball, of any size
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -18,6 +19,7 @@ Examples:
   yamanami generate fractal -o big.tif --size 8193x8193 --seed 7 --round 1
   yamanami generate fractal -o island.tif --holes discs:20     with twenty round holes
   yamanami generate cone -o cone.asc --size 101x77 --spacing 0.5
+  yamanami generate tin -o ground.xml --size 401x301 --spacing 5    a road and a river through hills
   yamanami generate pagoda -o pagoda.ply --faces 5000000
   yamanami generate pagoda -o holed.ply --faces 1000000 --holes occluded    with a scan's defects
   yamanami generate carved-ball -o ball.ply --splits 6                      a model with levels, for wavelets")]
@@ -25,7 +27,8 @@ pub(crate) struct GenerateArgs {
     /// The form of the ground, or a model
     #[arg(value_enum)]
     kind: Kind,
-    /// The file to write: .tif (32-bit floats) or .asc; of a pagoda or ball .ply, .obj, .stl or .glb
+    /// The file to write: .tif (32-bit floats) or .asc; of a TIN what the tin command writes; of a pagoda or ball .ply,
+    /// .obj, .stl or .glb
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// Which of all such terrains or scans
@@ -48,10 +51,10 @@ pub(crate) struct GenerateArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Terrain")]
 struct TerrainArgs {
-    /// Columns and rows [default: 513x513]
+    /// Columns and rows of samples [default: 513x513], or points of a TIN, about [default: 201x151]
     #[arg(long, value_name = "WxH", value_parser = values::grid_size)]
     size: Option<[usize; 2]>,
-    /// Metres between samples [default: 30]
+    /// Metres between samples [default: 30], or points of a TIN, about [default: 10]
     #[arg(long, value_name = "M", value_parser = values::positive)]
     spacing: Option<f64>,
     /// Arc seconds between samples instead: a grid of longitude and latitude
@@ -112,6 +115,8 @@ enum Kind {
     Flat,
     /// Level ground with one sample sticking out
     Spike,
+    /// Points and breaklines of hills with a road on embankments and a river, as a TIN
+    Tin,
     /// The laser scan of a five-storey pagoda: tiles, brackets, railings
     Pagoda,
     /// A ball with broad swells: an octahedron split again and again
@@ -149,6 +154,7 @@ fn holes(text: &str) -> Result<HolePattern, String> {
 pub(crate) fn run(args: &GenerateArgs) -> Result<(), Failure> {
     match args.kind {
         Kind::Pagoda => return pagoda(args),
+        Kind::Tin => return tin(args),
         Kind::Ball => return ball(args, Relief::Smooth),
         Kind::CarvedBall => return ball(args, Relief::Sharp),
         _ => (),
@@ -172,8 +178,8 @@ pub(crate) fn run(args: &GenerateArgs) -> Result<(), Failure> {
             let fall = -0.5 * relief_m;
             Shape::Plane { at_origin_m: relief_m, slope_m: [fall / (width - 1) as f32, fall / (height - 1) as f32] }
         }
-        // models have been dealt with
-        Kind::Flat | Kind::Pagoda | Kind::Ball | Kind::CarvedBall => Shape::Flat { z_m: relief_m },
+        // TINs and models have been dealt with
+        Kind::Flat | Kind::Tin | Kind::Pagoda | Kind::Ball | Kind::CarvedBall => Shape::Flat { z_m: relief_m },
         Kind::Spike => Shape::Spike { column: width / 2, row: height / 2, z_m: relief_m },
     };
     let spacing = order.arc_seconds.map_or(Spacing::Metres(order.spacing.unwrap_or(30.0)), Spacing::ArcSeconds);
@@ -208,6 +214,15 @@ pub(crate) fn run(args: &GenerateArgs) -> Result<(), Failure> {
         format_args!("{width} x {height}, {} without data", text::count(field.no_data_count() as u64)),
     )?;
     out::row("heights", range)
+}
+
+fn tin(args: &GenerateArgs) -> Result<(), Failure> {
+    let TerrainArgs { size, spacing, arc_seconds, relief, roughness, round } = args.terrain;
+    let others = [arc_seconds, relief, roughness, round, args.scan.noise].iter().any(Option::is_some);
+    if others || args.splits.is_some() || args.scan.faces.is_some() || args.holes != HolePattern::None {
+        return Err(Failure::misuse("a TIN takes --size, --spacing and --seed; the rest is for others"));
+    }
+    generate_tin::run(&args.output, size, spacing, args.seed)
 }
 
 fn ball(args: &GenerateArgs, relief: Relief) -> Result<(), Failure> {

@@ -14,6 +14,7 @@ mod flight_path;
 mod flight_text;
 mod fly;
 mod generate;
+mod generate_tin;
 mod heights;
 mod info;
 mod info_mesh;

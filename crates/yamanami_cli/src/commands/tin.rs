@@ -8,9 +8,9 @@ use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use yamanami::core::Tin;
-use yamanami::io::mesh_file;
 use yamanami::io::points::{ColumnOrder, is_points_name};
 use yamanami::io::tin_file::{self, TinReadOptions};
+use yamanami::io::{dem, mesh_file};
 use yamanami::multires::tin_block::CostReading;
 use yamanami::{GroundOptions, ModelBuild, ModelStoreOptions, ReadGround, ThinBy, ThinLevel, read_ground, thin};
 
@@ -105,7 +105,8 @@ enum CostName {
 }
 
 /// Endings of what can be written.
-const ENDINGS: [&str; 11] = ["xml", "landxml", "dxf", "2dm", "gpkg", "yama", "ply", "obj", "stl", "off", "glb"];
+pub(super) const ENDINGS: [&str; 11] =
+    ["xml", "landxml", "dxf", "2dm", "gpkg", "yama", "ply", "obj", "stl", "off", "glb"];
 
 pub(crate) fn run(args: &TinArgs) -> Result<(), Failure> {
     inputs::check_output(&args.output, &ENDINGS, &args.sources)?;
@@ -137,6 +138,8 @@ fn open(args: &TinArgs) -> Result<ReadGround, Failure> {
     let is_tin = |path: &PathBuf| inputs::is_tin(path) || inputs::is_mesh(path) || inputs::is_yama(path);
     let is_survey = args.sources.iter().all(is_points_name) || args.sources.iter().any(is_tin);
     if args.error.is_none() && !is_survey {
+        // what is no elevation file either is told first
+        dem::open(&args.sources, &args.reading.options().dem)?;
         return Err(Failure::misuse("how fine? elevation files become a TIN within --error M metres"));
     }
     let _bar = Bar::spinner("reading");

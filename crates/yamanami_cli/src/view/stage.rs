@@ -8,7 +8,7 @@ use std::sync::Arc;
 use std::time::Instant;
 use yamanami::core::View;
 use yamanami::gpu::{Drape, Gpu};
-use yamanami::{Canvas, Error, LimitedBy, Scene, Subject, Upload};
+use yamanami::{Canvas, Error, GroundImage, LimitedBy, Scene, Subject, Upload};
 
 /// egui shows textures of this format; the shaders encode sRGB themselves.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
@@ -128,20 +128,19 @@ impl<S: Subject> Stage<S> {
         self.drape.is_some()
     }
 
-    /// Lays an image file over the whole terrain, north up.
+    /// Lays an image file over the surface, by its world file or else over the whole of it, north up.
     pub(super) fn lay_image(&mut self, file: &Path) -> Result<(), String> {
-        let failed = |reason: &dyn std::fmt::Display| format!("{}: {reason}", file.display());
-        let mut reader = image::ImageReader::open(file)
-            .and_then(image::ImageReader::with_guessed_format)
-            .map_err(|error| failed(&error))?;
         let mut limits = image::Limits::default();
         (limits.max_image_width, limits.max_image_height) = (Some(IMAGE_SIDE_PX), Some(IMAGE_SIDE_PX));
         limits.max_alloc = Some(IMAGE_BYTES);
-        reader.limits(limits);
-        let picture = reader.decode().map_err(|error| failed(&error))?.into_rgba8();
-        let terrain = self.subject.as_terrain().ok_or("an image is laid over terrain; this is a model")?;
-        let [east_m, north_m] = terrain.extent_m();
-        self.drape = Some(Arc::new(Drape::over_box(picture, [0.0, -north_m], [east_m, 0.0])));
+        if !self.subject.is_ground() {
+            return Err("an image is laid over terrain and TINs; this is a scan".to_owned());
+        }
+        let image = GroundImage::read(file, Some(limits)).map_err(|error| error.to_string())?;
+        if !image.lies_over(&self.subject) {
+            return Err(format!("{}: lies nowhere over the surface, by its world file", file.display()));
+        }
+        self.drape = Some(Arc::new(image.drape(&self.subject)));
         self.images += 1;
         Ok(())
     }

@@ -54,9 +54,13 @@ pub(super) fn from_wkt(text: &str) -> Option<Crs> {
 /// The code of the outermost `AUTHORITY["EPSG","n"]` or `ID["EPSG",n]`, which closes the text.
 pub(crate) fn last_authority_code(text: &str) -> Option<u32> {
     let at = text.rfind("\"EPSG\"")?;
-    let (code, after) = text[at + 6..].trim_start_matches([',', ' ', '"']).split_once(['"', ']'])?;
-    let is_outermost = after.chars().all(|c| matches!(c, ']' | '"' | ' ' | '\n' | '\r' | '\t'));
-    if is_outermost { code.trim().parse().ok() } else { None }
+    let rest = text[at + 6..].trim_start_matches([',', ' ', '"']);
+    let digits = rest.find(|c: char| !c.is_ascii_digit())?;
+    let (code, after) = rest.split_at(digits);
+    // its own bracket and that of the whole: the code of a unit closes one more
+    let is_last = after.chars().all(|c| matches!(c, ']' | '"' | ' ' | '\n' | '\r' | '\t'));
+    let is_outermost = is_last && after.chars().filter(|&c| c == ']').count() == 2;
+    if is_outermost { code.parse().ok() } else { None }
 }
 
 #[cfg(test)]
@@ -71,6 +75,9 @@ mod tests {
         assert!(from_wkt(&esri.replace("Meter", "Foot_US")).is_none());
         let ogc = r#"GEOGCS["JGD2011",DATUM["Japanese_Geodetic_Datum_2011",SPHEROID["GRS 1980",6378137,298.257222101,AUTHORITY["EPSG","7019"]]],UNIT["degree",0.0174532925199433,AUTHORITY["EPSG","9122"]],AUTHORITY["EPSG","6668"]]"#;
         assert_eq!(from_wkt(ogc).unwrap().epsg, Some(6668));
+        let foot = r#"PROJCS["Lambert",UNIT["foot",0.3048,AUTHORITY["EPSG","9002"]]]"#;
+        assert_eq!((last_authority_code(foot), last_authority_code(ogc)), (None, Some(6668)));
+        assert_eq!(last_authority_code(r#"PROJCRS["IX", ID["EPSG", 6677]]"#), Some(6677));
         assert!(from_wkt("hello").is_none());
         assert!(from_wkt("GEOGCS[\"標高").is_some());
     }

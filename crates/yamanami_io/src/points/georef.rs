@@ -110,7 +110,7 @@ mod tests {
         assert_eq!(georef.height_unit_m, Some(US_SURVEY_FOOT_M));
         let directory = [1, 1, 0, 3, 1024, 0, 1, 1, 1026, 34737, 6, 1, 3072, 0, 1, 32767, 3076, 0, 1, 9002];
         let georef = of_keys(&directory, b"xOregon|");
-        assert_eq!((georef.crs.name.as_str(), georef.unit_m), ("Orego", Some(FOOT_M)));
+        assert_eq!((georef.crs.name.as_str(), georef.unit_m), ("Oregon", Some(FOOT_M)));
         assert_eq!(of_keys(&[1], b"").unit_m, None);
     }
 

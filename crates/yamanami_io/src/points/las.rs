@@ -58,8 +58,10 @@ pub(super) fn read(source: Source<'_>, options: &PointReadOptions) -> Result<Rea
         points_m: Vec::new(),
         options,
         ground_only: false,
-        scale: header.scale * DVec3::new(unit_m, unit_m, height_unit_m),
-        offset: header.offset * DVec3::new(unit_m, unit_m, height_unit_m),
+        axes: [0, 1, 2].map(|k| {
+            let unit_m = if k == 2 { height_unit_m } else { unit_m };
+            Axis::new(header.scale[k], header.offset[k], unit_m)
+        }),
         format: header.format,
         withheld: 0,
         left_out: 0,
@@ -207,14 +209,43 @@ impl Records for PlainRecords<'_> {
     }
 }
 
+/// How the whole numbers of one coordinate become metres.
+#[derive(Debug, Clone, Copy)]
+struct Axis {
+    scale: f64,
+    offset: f64,
+    /// Parts of a unit and the offset in them, where both are whole: then coordinates are decimals, digit for digit.
+    parts: Option<[f64; 2]>,
+    unit_m: f64,
+}
+
+impl Axis {
+    fn new(scale: f64, offset: f64, unit_m: f64) -> Self {
+        let per_unit = (1.0 / scale).round();
+        let steps = (offset * per_unit).round();
+        let is_whole = 1.0 / per_unit == scale && steps / per_unit == offset && steps.abs() < EXACT;
+        Self { scale, offset, parts: is_whole.then_some([per_unit, steps]), unit_m }
+    }
+
+    fn metres(&self, number: i32) -> f64 {
+        let number = f64::from(number);
+        match self.parts {
+            Some([per_unit, steps]) => (number + steps) / per_unit * self.unit_m,
+            None => (number * self.scale + self.offset) * self.unit_m,
+        }
+    }
+}
+
+/// Sums of whole numbers below this and a coordinate's are exact.
+const EXACT: f64 = (1u64 << 52) as f64;
+
 /// The points that are kept.
 struct Kept<'a> {
     points_m: Vec<DVec3>,
     options: &'a PointReadOptions,
     /// Ground was met: the rest no longer counts.
     ground_only: bool,
-    scale: DVec3,
-    offset: DVec3,
+    axes: [Axis; 3],
     format: u8,
     withheld: usize,
     left_out: usize,
@@ -262,7 +293,7 @@ impl Kept<'_> {
             self.left_out += 1;
             return;
         }
-        let p = DVec3::from([0, 4, 8].map(|at| f64::from(u32_of(record, at) as i32))) * self.scale + self.offset;
+        let p = DVec3::from([0, 1, 2].map(|k| self.axes[k].metres(u32_of(record, 4 * k) as i32)));
         if p.is_finite() {
             self.points_m.push(p);
         }

@@ -8,6 +8,14 @@ use glam::DVec3;
 use std::path::Path;
 use yamanami_core::{Crs, Tin};
 
+/// Farthest that anything lies from zero along an axis, metres: there a double is a tenth of a millimetre wide.
+const FARTHEST_M: f64 = 1e12;
+
+/// Whether a place can be one of a survey.
+fn is_place(p: DVec3) -> bool {
+    p.abs().cmple(DVec3::splat(FARTHEST_M)).all()
+}
+
 /// Whether a number can be metres in a unit.
 pub(super) fn is_unit(unit_m: f64) -> bool {
     unit_m.is_finite() && unit_m > 0.0
@@ -36,7 +44,7 @@ pub(super) fn crs(options: &TinReadOptions) -> Crs {
 }
 
 /// Checks a TIN that was read, so that nothing after it needs to: drops what cannot be used, turns triangles upwards.
-pub(super) fn readable(name: &Path, mut tin: Tin, mut notes: Notes) -> Result<ReadTin, IoError> {
+pub(super) fn readable(mut tin: Tin, mut notes: Notes) -> ReadTin {
     drop_lost_vertices(&mut tin, &mut notes);
     let vertices = tin.mesh.positions.len();
     let keep = |t: &[u32; 3], number: usize, notes: &mut Notes| {
@@ -61,7 +69,7 @@ pub(super) fn readable(name: &Path, mut tin: Tin, mut notes: Notes) -> Result<Re
         keep(t, number, &mut notes)
     });
     for line in &mut tin.breaklines {
-        line.points.retain(|p| p.is_finite());
+        line.points.retain(|&p| is_place(p));
     }
     let lines = tin.breaklines.len();
     tin.breaklines.retain(|line| line.points.len() >= 2);
@@ -72,11 +80,11 @@ pub(super) fn readable(name: &Path, mut tin: Tin, mut notes: Notes) -> Result<Re
     if turned > 0 && turned < tin.mesh.triangles.len() + tin.hidden.len() {
         notes.say(format!("{turned} triangles that faced down turned up"));
     }
-    if tin.mesh.triangles.is_empty() {
+    let lack = tin.mesh.triangles.is_empty().then(|| {
         let found = format!("{vertices} points and none that is shown");
-        return Err(IoError::malformed(name, "triangles", "at least one", found));
-    }
-    Ok(ReadTin { tin, notes: notes.into_lines(), other_surfaces: Vec::new() })
+        ["triangles".to_owned(), "at least one".to_owned(), found]
+    });
+    ReadTin { tin, notes: notes.into_lines(), other_surfaces: Vec::new(), lack }
 }
 
 fn retain<T>(values: &mut Vec<T>, kept: &[bool]) {
@@ -84,23 +92,25 @@ fn retain<T>(values: &mut Vec<T>, kept: &[bool]) {
     values.retain(|_| kept.next() != Some(&false));
 }
 
-/// Leaves out vertices that are not finite; triangles that use them get corners out of range.
+/// Leaves out vertices that are nowhere; triangles that use them get corners out of range.
 fn drop_lost_vertices(tin: &mut Tin, notes: &mut Notes) {
     let positions = &mut tin.mesh.positions;
-    if positions.iter().all(|p| p.is_finite()) {
-        return;
-    }
+    let Some(first) = positions.iter().position(|&p| !is_place(p)) else { return };
     let mut next = 0;
     let number_of: Vec<u32> = positions
         .iter()
         .map(|p| {
-            let number = if p.is_finite() { next } else { u32::MAX };
-            next += u32::from(p.is_finite());
+            let number = if is_place(*p) { next } else { u32::MAX };
+            next += u32::from(is_place(*p));
             number
         })
         .collect();
-    notes.say(format!("{} points without a place dropped", positions.len() - next as usize));
-    positions.retain(|p| p.is_finite());
+    notes.say(format!(
+        "points without a place within {FARTHEST_M:e} m dropped: {}, first point {}",
+        positions.len() - next as usize,
+        first + 1
+    ));
+    positions.retain(|&p| is_place(p));
     for i in tin.mesh.triangles.iter_mut().chain(&mut tin.hidden).flatten() {
         *i = number_of.get(*i as usize).copied().unwrap_or(u32::MAX);
     }

@@ -223,15 +223,15 @@ impl Relief {
 
     fn finish<R: BufRead>(mut self, xml: &Xml<'_, R>, options: &TinReadOptions) -> Result<ReadTin, IoError> {
         let name = xml.name();
-        if self.triangles.is_empty() {
+        let lack = self.triangles.is_empty().then(|| {
             let (expected, found) = match &options.surface {
                 Some(wanted) => (format!("triangles in '{wanted}'"), format!("'{}'", self.other_surfaces.join("', '"))),
                 None => ("triangles".to_owned(), format!("none, and {} lines", self.lines.len())),
             };
-            return Err(IoError::malformed(name, "TINRelief", expected, found));
-        }
+            ["TINRelief".to_owned(), expected, found]
+        });
         let mut mesh = TriangleMesh::new(self.weld.into_positions(), self.triangles);
-        let bounds = mesh.bounds();
+        let bounds = metric::bounds(&mesh, &self.lines);
         let srs = self.srs.unwrap_or_default();
         let looks_like_degrees =
             bounds.min.truncate().min_element() > -360.0 && bounds.max.truncate().max_element() < 360.0;
@@ -255,8 +255,8 @@ impl Relief {
             let lines = tin.breaklines.iter_mut().flat_map(|line| &mut line.points);
             tin.mesh.positions.iter_mut().chain(lines).for_each(|p| *p *= unit_m);
         }
-        let read = check::readable(name, tin, self.notes)?;
-        Ok(ReadTin { other_surfaces: self.other_surfaces, ..read })
+        let read = check::readable(tin, self.notes);
+        Ok(ReadTin { other_surfaces: self.other_surfaces, lack: lack.or(read.lack), ..read })
     }
 }
 

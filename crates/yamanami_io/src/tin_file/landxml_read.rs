@@ -125,7 +125,7 @@ impl File {
         let Some(surface) = surface else { return };
         let is_better = match (&options.surface, &self.best) {
             (Some(name), best) => best.is_none() && surface.name == *name,
-            (None, Some(best)) => surface.face_count() > best.face_count(),
+            (None, Some(best)) => surface.weight() > best.weight(),
             (None, None) => true,
         };
         let other = if is_better { self.best.replace(surface) } else { Some(surface) };
@@ -156,15 +156,16 @@ impl File {
         let crs = options.epsg.map(check::crs_of_epsg).or(crs).unwrap_or_default();
         let place = format!("surface '{}'", surface.name);
         let (mut tin, notes) = surface.into_tin(unit_m, crs, &self.cg_points);
-        if tin.mesh.triangles.is_empty() {
-            let found = format!("{} points, {} hidden faces", tin.mesh.positions.len(), tin.hidden.len());
-            return Err(IoError::malformed(xml.name(), place, "faces that are shown", found));
-        }
+        let lack = tin.mesh.triangles.is_empty().then(|| {
+            let [points, hidden, lines] = [tin.mesh.positions.len(), tin.hidden.len(), tin.breaklines.len()];
+            let found = format!("{points} points, {hidden} hidden faces, {lines} lines");
+            [place, "faces that are shown".to_owned(), found]
+        });
         self.notes.join(notes);
         if unit_m == 1.0 {
             metric::to_metres(&mut tin, &mut self.notes);
         }
-        let read = check::readable(xml.name(), tin, self.notes)?;
-        Ok(ReadTin { other_surfaces: self.other_surfaces, ..read })
+        let read = check::readable(tin, self.notes);
+        Ok(ReadTin { other_surfaces: self.other_surfaces, lack: lack.or(read.lack), ..read })
     }
 }

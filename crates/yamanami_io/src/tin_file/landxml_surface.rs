@@ -68,9 +68,9 @@ impl Surface {
         Self { name, ..Self::default() }
     }
 
-    /// Its triangles, hidden ones too.
-    pub(super) fn face_count(&self) -> usize {
-        self.faces.len() + self.hidden.len()
+    /// Its triangles, hidden ones too, and lines: of two surfaces that with more triangles counts, then that with more lines.
+    pub(super) fn weight(&self) -> [usize; 2] {
+        [self.faces.len() + self.hidden.len(), self.lines.len()]
     }
 
     /// A point: `northing easting height`, or the name of a survey point.

@@ -45,7 +45,8 @@ impl<'a> Lines<'a> {
 
     /// Where an error is.
     pub(super) fn place(&self) -> String {
-        format!("line {}", self.number)
+        // a file without a line begins on its first
+        format!("line {}", self.number.max(1))
     }
 
     /// The line as an error: what should be there.

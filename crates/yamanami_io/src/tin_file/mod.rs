@@ -41,7 +41,7 @@ use notes::Notes;
 use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
-use yamanami_core::Tin;
+use yamanami_core::{Breakline, Crs, Tin};
 
 /// What is asked of a file beside its path.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -64,6 +64,33 @@ pub struct ReadTin {
     pub notes: Vec<String>,
     /// Names of the other surfaces of the file.
     pub other_surfaces: Vec<String>,
+    /// Where triangles were looked for, which, and what was there instead; `None` where there are any.
+    lack: Option<Lack>,
+}
+
+/// What a file lacks that has no triangle: place, expected, found.
+type Lack = [String; 3];
+
+/// Lines that were read, and what was not.
+#[derive(Debug, Clone, Default, PartialEq)]
+#[non_exhaustive]
+pub struct ReadBreaklines {
+    /// The lines, in metres.
+    pub lines: Vec<Breakline>,
+    /// The CRS of x and y; unknown where the file does not say.
+    pub crs: Crs,
+    /// What was dropped, mended or assumed, with its place in the file: one line each.
+    pub notes: Vec<String>,
+}
+
+impl ReadTin {
+    /// An error where there is no triangle.
+    fn with_triangles(self, name: &Path) -> Result<Self, IoError> {
+        match self.lack {
+            Some([place, expected, found]) => Err(IoError::malformed(name, place, expected, found)),
+            None => Ok(self),
+        }
+    }
 }
 
 /// A TIN format.
@@ -107,6 +134,21 @@ pub fn is_tin_name(path: &Path) -> bool {
 /// Reads a TIN in the format of the path's extension.
 pub fn read_tin(path: impl AsRef<Path>, options: &TinReadOptions) -> Result<ReadTin, IoError> {
     let path = path.as_ref();
+    read_file(path, options)?.with_triangles(path)
+}
+
+/// Reads the breaklines of a TIN file, whether it has triangles or not.
+pub fn read_breaklines(path: impl AsRef<Path>, options: &TinReadOptions) -> Result<ReadBreaklines, IoError> {
+    let path = path.as_ref();
+    let ReadTin { tin, notes, .. } = read_file(path, options)?;
+    if tin.breaklines.is_empty() {
+        let found = format!("none, and {} triangles", tin.mesh.triangles.len());
+        return Err(IoError::malformed(path, "whole file", "breaklines", found));
+    }
+    Ok(ReadBreaklines { lines: tin.breaklines, crs: tin.crs, notes })
+}
+
+fn read_file(path: &Path, options: &TinReadOptions) -> Result<ReadTin, IoError> {
     check::options(options)?;
     if Format::of(&Packing::of(path).1)? == Format::Mesh {
         return of_mesh(path, mesh_file::read_mesh_with_notes(path)?, options);
@@ -122,9 +164,9 @@ pub fn read_tin_from_bytes(name: impl AsRef<Path>, bytes: &[u8], options: &TinRe
     check::options(options)?;
     if Format::of(&Packing::of(name).1)? == Format::Mesh {
         let mesh = mesh_file::read_mesh_from_bytes(name, bytes)?;
-        return of_mesh(name, ReadMesh { mesh, ..ReadMesh::default() }, options);
+        return of_mesh(name, ReadMesh { mesh, ..ReadMesh::default() }, options)?.with_triangles(name);
     }
-    read(name, bytes, bytes.len() as u64, options)
+    read(name, bytes, bytes.len() as u64, options)?.with_triangles(name)
 }
 
 /// Reads what is no mesh. Readers take the name for messages, the content without its packing, and the options.
@@ -156,7 +198,7 @@ fn of_mesh(name: &Path, read: ReadMesh, options: &TinReadOptions) -> Result<Read
     for line in read.notes {
         notes.say(line);
     }
-    check::readable(name, tin, notes)
+    Ok(check::readable(tin, notes))
 }
 
 /// Writes a TIN in the format of the path's extension. The file appears whole or not at all.

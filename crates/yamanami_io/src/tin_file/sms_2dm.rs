@@ -96,7 +96,7 @@ pub(super) fn read(name: &Path, mut content: impl BufRead, options: &TinReadOpti
         leave_out_line_vertices(&mut tin, of_lines);
     }
     metric::to_metres(&mut tin, &mut notes);
-    check::readable(name, tin, notes)
+    Ok(check::readable(tin, notes))
 }
 
 /// Leaves out vertices of lines that no triangle uses: lines have places of their own.

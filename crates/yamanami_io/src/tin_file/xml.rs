@@ -14,6 +14,9 @@ use std::path::Path;
 /// Most elements inside each other; terrain files have a dozen.
 const MAX_DEPTH: usize = 1000;
 
+/// Elements that files of terrain begin with; elevation grids are read elsewhere.
+const ROOTS: &str = "<LandXML>, <CityModel> or, of an elevation grid, <Dataset>";
+
 /// Reads the TIN of an XML file.
 pub(super) fn read(name: &Path, content: impl BufRead, options: &TinReadOptions) -> Result<ReadTin, IoError> {
     let mut xml = Xml::new(name, content)?;
@@ -23,10 +26,10 @@ pub(super) fn read(name: &Path, content: impl BufRead, options: &TinReadOptions)
             "CityModel" => citygml::read(xml, options),
             other => {
                 let found = format!("<{other}>");
-                Err(IoError::malformed(name, format!("line {line}"), "<LandXML> or <CityModel>", found))
+                Err(IoError::malformed(name, format!("line {line}"), ROOTS, found))
             }
         },
-        _ => Err(IoError::malformed(name, "line 1", "<LandXML> or <CityModel>", "no element")),
+        _ => Err(IoError::malformed(name, "line 1", ROOTS, "no element")),
     }
 }
 

@@ -75,10 +75,15 @@ impl Exact {
         let (&kind, rest) = bytes.split_first()?;
         bytes = rest;
         if kind == BETWEEN_STEPS {
-            for x in vertices.iter_mut().flat_map(|v| &mut v.position_m) {
-                let zigzag = take_varint(&mut bytes)?;
-                *x = of_rank(rank(*x).wrapping_add((zigzag >> 1) as i64 ^ -((zigzag & 1) as i64)));
-                x.is_finite().then_some(())?;
+            for vertex in vertices {
+                let place = self.steps(vertex.position_m);
+                for x in &mut vertex.position_m {
+                    let zigzag = take_varint(&mut bytes)?;
+                    *x = of_rank(rank(*x).wrapping_add((zigzag >> 1) as i64 ^ -((zigzag & 1) as i64)));
+                    x.is_finite().then_some(())?;
+                }
+                // what is left is less than a step
+                (self.steps(vertex.position_m) == place).then_some(())?;
             }
         }
         (kind <= BETWEEN_STEPS && bytes.is_empty()).then_some(())

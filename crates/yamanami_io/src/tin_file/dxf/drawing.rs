@@ -10,7 +10,7 @@ use super::read::Header;
 use crate::IoError;
 use crate::tin_file::upward::{cut_quad, upward};
 use crate::tin_file::weld::Weld;
-use crate::tin_file::{Notes, TinReadOptions, check, metric};
+use crate::tin_file::{Notes, ReadTin, TinReadOptions, check, metric};
 use glam::DVec3;
 use std::path::Path;
 use yamanami_core::{Breakline, Tin};
@@ -332,8 +332,8 @@ impl<'a> Drawing<'a> {
         self.notes.count(what, format_args!("line {line}"));
     }
 
-    /// What became of the drawing, what there is to say of it, and the names of the layers with faces that were left out.
-    pub(super) fn finish(self, header: Header, options: &TinReadOptions) -> Result<(Tin, Notes, Vec<String>), IoError> {
+    /// What became of the drawing; the other surfaces are layers with faces that were left out.
+    pub(super) fn finish(self, header: Header, options: &TinReadOptions) -> Result<ReadTin, IoError> {
         let Self { mut tin, mut notes, .. } = self;
         tin.mesh.positions = self.weld.into_positions();
         let shown: Vec<&str> = self.layers.with_faces().filter(|l| !l.hidden).map(|l| l.name.as_str()).collect();
@@ -346,12 +346,11 @@ impl<'a> Drawing<'a> {
             let found = format!("faces on {}", shown.join(", "));
             return Err(IoError::malformed(self.path, "layers", format!("faces on layer '{wanted}'"), found));
         }
-        if tin.mesh.triangles.is_empty() {
+        let lack = tin.mesh.triangles.is_empty().then(|| {
             let (lines, blocks) = (tin.breaklines.len(), self.blocks);
             let found = format!("{lines} lines, {blocks} references to blocks and no face that is shown");
-            let expected = "a 3DFACE, a mesh, or a POLYLINE that is one";
-            return Err(IoError::malformed(self.path, "entities", expected, found));
-        }
+            ["entities".to_owned(), "a 3DFACE, a mesh, or a POLYLINE that is one".to_owned(), found]
+        });
         tin.name = match (self.surface, shown.as_slice()) {
             _ if !header.name.is_empty() => header.name,
             (Some(wanted), _) => wanted.to_owned(),
@@ -362,10 +361,11 @@ impl<'a> Drawing<'a> {
             notes.say(format!("faces of {} layers joined: {}", shown.len(), shown.join(", ")));
         }
         let others = shown.iter().filter(|&&name| self.surface.is_some_and(|wanted| wanted != name));
-        let others = others.map(|&name| name.to_owned()).collect();
+        let other_surfaces = others.map(|&name| name.to_owned()).collect();
         tin.unit_m = self.unit_m;
         tin.crs = check::crs(options);
         metric::to_metres(&mut tin, &mut notes);
-        Ok((tin, notes, others))
+        let read = check::readable(tin, notes);
+        Ok(ReadTin { other_surfaces, lack: lack.or(read.lack), ..read })
     }
 }

@@ -130,8 +130,7 @@ pub(in crate::tin_file) fn read(
         let why = if header.unit == 0 { "no unit is stated".into() } else { format!("$INSUNITS is {}", header.unit) };
         drawing.notes.say(format!("{why}: metres assumed"));
     }
-    let (tin, notes, other_surfaces) = drawing.finish(header, options)?;
-    Ok(ReadTin { other_surfaces, ..check::readable(name, tin, notes)? })
+    drawing.finish(header, options)
 }
 
 /// Metres in a unit; degrees are left as they are.

@@ -39,7 +39,7 @@ pub(super) fn read(name: &Path, mut content: impl BufRead, _options: &TinReadOpt
         upward(corners, place, &mut notes, format_args!("triangle {number}"))
     });
     tin.mesh.triangles = upright.collect();
-    check::readable(name, tin, notes)
+    Ok(check::readable(tin, notes))
 }
 
 fn whole(name: &Path, content: &mut dyn BufRead) -> Result<Vec<u8>, IoError> {
