@@ -289,7 +289,8 @@ impl Subject for Model {
 
     fn usual_style(&self) -> RenderOptions {
         let style = if self.is_ground() && !self.facts.has_colours {
-            RenderOptions::default()
+            // a breakline is an edge, and looks like one
+            RenderOptions { flat: true, ..RenderOptions::default() }
         } else {
             coloured_style(self.facts.has_colours)
         };

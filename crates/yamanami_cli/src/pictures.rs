@@ -47,9 +47,12 @@ pub(crate) struct StyleArgs {
     /// Draw the edges of the triangles
     #[arg(long)]
     wireframe: bool,
-    /// One normal a triangle, so that the triangles show
+    /// One normal a triangle, so that the triangles show; usual for TINs, whose breaklines are edges
     #[arg(long)]
     flat: bool,
+    /// Normals between those of the vertices, of TINs too
+    #[arg(long, conflicts_with = "flat")]
+    smooth: bool,
     /// Height of a water surface: what lies below is tinted blue, darker with depth
     #[arg(long, value_name = "M", value_parser = values::number, allow_hyphen_values = true)]
     water: Option<f64>,
@@ -103,7 +106,7 @@ impl StyleArgs {
     fn common(&self, options: RenderOptions) -> RenderOptions {
         RenderOptions {
             wireframe: self.wireframe.then(Wireframe::default),
-            flat: self.flat,
+            flat: (self.flat || options.flat) && !self.smooth,
             water_level_m: self.water,
             antialias: !self.one_sample,
             ..options
