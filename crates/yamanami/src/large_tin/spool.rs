@@ -42,28 +42,26 @@ pub(super) fn take(scratch: &Scratch, stream: usize) -> Result<Vec<ClusterPage>,
     let raw = scratch.read_packed(stream)?;
     let mut pages = Vec::new();
     let mut rest = raw.as_slice();
+    // what was written a moment ago is whole
     while !rest.is_empty() {
-        // what was written a moment ago is whole
-        let mut words = |count: usize| -> Vec<u32> {
-            let (some, more) = rest.split_at(4 * count);
-            rest = more;
-            some.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect()
-        };
-        let head = words(4);
+        let head = words(&mut rest, 4);
         let (vertices, removed, triangles) = (head[1] as usize, head[2] as usize, head[3] as usize);
         let (packed, more) = rest.split_at(VERTEX_BYTES * vertices);
         rest = more;
-        let vertices = packed.chunks_exact(VERTEX_BYTES).map(vertex).collect();
-        let mut words = |count: usize| -> Vec<u32> {
-            let (some, more) = rest.split_at(4 * count);
-            rest = more;
-            some.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect()
-        };
-        let removed = words(removed);
-        let triangles = words(3 * triangles).chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
-        pages.push(ClusterPage { group: head[0], vertices, removed, triangles });
+        pages.push(ClusterPage {
+            group: head[0],
+            vertices: packed.chunks_exact(VERTEX_BYTES).map(vertex).collect(),
+            removed: words(&mut rest, removed),
+            triangles: words(&mut rest, 3 * triangles).chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect(),
+        });
     }
     Ok(pages)
+}
+
+fn words(rest: &mut &[u8], count: usize) -> Vec<u32> {
+    let (some, more) = rest.split_at(4 * count);
+    *rest = more;
+    some.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect()
 }
 
 fn vertex(bytes: &[u8]) -> ClusterVertex {
