@@ -254,7 +254,7 @@ def fly(run, folder, args):
         rows = list(csv.DictReader(open(args.brute)))
         brute_ns = float(rows[0]["median_ms"]) * 1e6 / args.brute_triangles
     print("| TIN | triangles | build, CPU s | resident (MB) | file (MB) | flight: median ms | mean | worst after the first | first | CPU s, all frames | resident (MB) | kB a frame | most triangles | brute force, scaled (ms) |")
-    print("|" + "---|" * 15)
+    print("|" + "---|" * 14)
     for dem in args.files:
         store = folder / "s.yama"
         built = run("build", dem, "--tin", "-o", store)
