@@ -12,7 +12,7 @@ by the sampler here, which shares no code with it), of meshes against DEMs at ev
 yamanami, of the call alone for the peers. `--brute` is a table that `yamanami reproduce hiraoka` writes; its first row is
 scaled by triangles.
 """
-import argparse, csv, gzip, io, json, math, resource, subprocess, sys, tempfile, time
+import argparse, csv, gzip, io, json, math, os, subprocess, sys, tempfile, time
 from pathlib import Path
 
 import numpy as np
@@ -21,20 +21,20 @@ from reduce import read_ply, write_ply
 
 
 class Program:
+    """A call's JSON; afterwards its user CPU seconds and greatest resident memory."""
+
     def __init__(self, path):
         self.path, self.user_s, self.resident_mb = path, 0.0, 0.0
 
     def __call__(self, *words):
-        before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
-        p = subprocess.Popen([self.path, *map(str, words), "--json"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        # stdout ends before stderr is read: the program writes one short line there, or its last error
-        out, err = p.stdout.read(), p.stderr.read()
-        _, status, used = __import__("os").wait4(p.pid, 0)
-        p.returncode = status
-        if status:
-            sys.exit(err)
-        self.user_s, self.resident_mb = used.ru_utime, used.ru_maxrss / 1024
-        return json.loads(out)
+        with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
+            p = subprocess.Popen([self.path, *map(str, words), "--json"], stdout=out, stderr=err)
+            _, p.returncode, used = os.wait4(p.pid, 0)
+            out.seek(0), err.seek(0)
+            if p.returncode:
+                sys.exit(err.read().decode())
+            self.user_s, self.resident_mb = used.ru_utime, used.ru_maxrss / 1024
+            return json.loads(out.read())
 
 
 def read_dem(path):
@@ -55,7 +55,7 @@ def greedy(dem, **limit):
     if not np.array_equal(z[row, column], v[:, 2].astype("f4")):
         row = z.shape[0] - 1 - row
     x, y = place * (column + 0.5, row + 0.5)
-    return np.stack([x, y, z[row, column].astype("f8")], 1), upward(v, np.asarray(d.triangles).reshape(-1, 3), x, y), taken
+    return np.stack([x, y, z[row, column].astype("f8")], 1), upward(np.asarray(d.triangles).reshape(-1, 3), x, y), taken
 
 
 def plan_area(v, t):
@@ -65,7 +65,7 @@ def plan_area(v, t):
     return (u[:, 0] * w[:, 1] - u[:, 1] * w[:, 0]) / 2, longest
 
 
-def upward(_, t, x, y):
+def upward(t, x, y):
     """Triangles anticlockwise in plan where most of them are clockwise."""
     area, _ = plan_area(np.stack([x, y], 1), t)
     return t if np.median(area) > 0 else np.ascontiguousarray(t[:, ::-1])
@@ -173,35 +173,45 @@ def levels(run, folder, args):
 
 
 def errors(run, folder, args):
-    """`promised`: asked for E. `equal`: the largest tolerance whose true error is still within E."""
-    print("| DEM | E (m) | TIN database, promised | true error | equal true error | quadtree, promised | true error | equal true error | greedy (hmm) | greedy (ours) | TIN / hmm | quadtree / hmm |")
-    print("|" + "---|" * 12)
+    """Asked for E; then the fewest triangles found whose true error is within E; then errors at greedy insertion's number of triangles."""
+    print("| DEM | E (m) | TIN database | true error | equal error | quadtree | true error | equal error | greedy (hmm) | greedy (ours) | TIN / hmm | quadtree / hmm | RMS (greatest) at hmm's number: TIN | quadtree | hmm |")
+    print("|" + "---|" * 15)
     ratios = []
     for dem in args.files:
         stores = {"tin": folder / "tin.yama", "quadtree": folder / "grid.yama"}
         run("build", dem, "--tin", "-o", stores["tin"])
         run("build", dem, "-o", stores["quadtree"])
+        mesh = folder / "m.ply"
+
+        def true(path):
+            far = run("compare", dem, path)
+            return far["max_vertical_m"], f"{far['rms_vertical_m']:.2f} ({far['max_vertical_m']:.1f})"
 
         def within(store, tolerance):
-            n = run("extract", store, "--tolerance", tolerance, "-o", folder / "m.ply")["triangles"]
-            return n, run("compare", dem, folder / "m.ply")["max_vertical_m"]
+            n = run("extract", store, "--tolerance", tolerance, "-o", mesh)["triangles"]
+            return n, true(mesh)[0]
 
         for e in args.errors:
-            cells, equal = [], []
+            v, t, _ = greedy(read_dem(dem), max_error=e)
+            cells, equal, same = [], [], []
             for store in stores.values():
-                n, true = within(store, e)
-                best, low, high = n, e, 2.5 * e
-                for _ in range(6):
-                    mid = (low + high) / 2
+                n, far = within(store, e)
+                cells += [f"{n:,}", f"{far:.2f}"]
+                low, high = e, 4 * e
+                for _ in range(7):
+                    mid = math.sqrt(low * high)
                     m, far = within(store, mid)
                     low, high = (mid, high) if far <= e else (low, mid)
-                    best = min(best, m) if far <= e else best
-                cells += [f"{n:,}", f"{true:.2f}", f"{best:,}"]
-                equal.append(best)
-            v, t, _ = greedy(read_dem(dem), max_error=e)
-            ours = run("tin", dem, "--error", e, "-o", folder / "m.ply")["triangles"]
+                    n = min(n, m) if far <= e else n
+                cells.append(f"{n:,}")
+                equal.append(n)
+                run("extract", store, "--budget", len(t), "-o", mesh)
+                same.append(true(mesh)[1])
+            write_ply(mesh, *used_only(v, t))
+            same.append(true(mesh)[1])
+            ours = run("tin", dem, "--error", e, "-o", mesh)["triangles"]
             ratios.append([k / len(t) for k in equal])
-            print(f"| {Path(dem).stem} | {e:g} | {' | '.join(cells)} | {len(t):,} | {ours:,} | {ratios[-1][0]:.2f} | {ratios[-1][1]:.2f} |", flush=True)
+            print(f"| {Path(dem).stem} | {e:g} | {' | '.join(cells)} | {len(t):,} | {ours:,} | {ratios[-1][0]:.2f} | {ratios[-1][1]:.2f} | {' | '.join(same)} |", flush=True)
     mean = np.exp(np.log(ratios).mean(0))
     print(f"\ngeometric means at equal true error: TIN / hmm {mean[0]:.2f}, quadtree / hmm {mean[1]:.2f}")
 
@@ -211,7 +221,7 @@ def quantized(v, t):
     from quantized_mesh_encoder import encode
     buffer = io.BytesIO()
     low, high = v.min(0), v.max(0)
-    degrees = (v - low) / 111_320 + [0, 0, 0]
+    degrees = (v - low) / 111_320
     degrees[:, 2] = v[:, 2]
     bounds = [0, 0, *degrees.max(0)[:2]]
     encode(buffer, np.ascontiguousarray(degrees, "f4"), np.ascontiguousarray(t, "u4"), bounds=bounds, sphere_method="naive")
