@@ -39,7 +39,11 @@ fn print_errors(built: &ClusterBuild) {
     for level in (0..=deepest).rev() {
         let errors: Vec<f32> = built.nodes.iter().filter(|n| n.level == level).map(|n| n.error_m).collect();
         let (sum, worst) = (errors.iter().sum::<f32>(), errors.iter().copied().fold(0.0, f32::max));
-        println!("level {level}: {} nodes, errors {:.3} m, at most {worst:.3} m", errors.len(), sum / errors.len() as f32);
+        println!(
+            "level {level}: {} nodes, errors {:.3} m, at most {worst:.3} m",
+            errors.len(),
+            sum / errors.len() as f32
+        );
     }
 }
 

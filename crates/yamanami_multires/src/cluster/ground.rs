@@ -29,8 +29,7 @@ impl Ground {
     pub(super) fn new(tin: &Tin, snap: Option<Snap>, vertices: &mut Vertices, triangles: &mut Vec<[u32; 3]>) -> Self {
         let mut lines = HashSet::new();
         // by the welded vertices' numbers
-        let mut welded =
-            Tin::of_mesh("", TriangleMesh::new(take(&mut vertices.positions), take(triangles)));
+        let mut welded = Tin::of_mesh("", TriangleMesh::new(take(&mut vertices.positions), take(triangles)));
         let stays = t_junctions(&welded.mesh).into_iter().flat_map(|(v, [a, b])| [v, a, b]).collect();
         if !tin.breaklines.is_empty() {
             welded.breaklines.clone_from(&tin.breaklines);

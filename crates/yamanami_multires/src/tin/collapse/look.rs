@@ -204,7 +204,5 @@ fn closes_line(net: &Net, u: u32, v: u32, tips: &[u32]) -> bool {
     if !lu.contains(&v) && !lv.contains(&u) {
         return false;
     }
-    closes(lu)
-        || closes(lv)
-        || lu.contains(&v) && lv.contains(&u) && lu.iter().any(|w| *w != v && lv.contains(w))
+    closes(lu) || closes(lv) || lu.contains(&v) && lv.contains(&u) && lu.iter().any(|w| *w != v && lv.contains(w))
 }

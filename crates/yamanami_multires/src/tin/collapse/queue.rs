@@ -44,7 +44,13 @@ pub(super) struct Queue {
 impl Queue {
     pub(super) fn new(room: usize) -> Self {
         let words = CLASSES.div_ceil(64);
-        Self { head: vec![NONE; CLASSES], filled: vec![0; words], items: Vec::with_capacity(room), gone: NONE, first: words }
+        Self {
+            head: vec![NONE; CLASSES],
+            filled: vec![0; words],
+            items: Vec::with_capacity(room),
+            gone: NONE,
+            first: words,
+        }
     }
 
     /// Costs are not negative.

@@ -1,8 +1,8 @@
 //! Edges: which faces are there twice or crowd an edge, and which vertices of the border lie within its edges.
 
-use crate::tin::mixed;
 use super::tree::{Rect, Tree};
 use super::{Fault, Faults, touch_m, vertex_place};
+use crate::tin::mixed;
 use glam::DVec2;
 use rayon::prelude::*;
 use std::collections::HashSet;

@@ -97,7 +97,7 @@ impl<'a> Overlay<'a> {
         let mut stack = Vec::new();
         let mut last_known = At::Triangle(0);
         for seed in 0..self.fine.ground.positions.len() as u32 {
-            if self.is_done[seed as usize] || self.fine.around(seed).next().is_none() {
+            if self.is_done[seed as usize] || !self.fine.has(seed) {
                 continue;
             }
             if self.at[seed as usize].is_none() {
@@ -141,7 +141,8 @@ impl<'a> Overlay<'a> {
                 if self.are_in_one(v, n) {
                     continue;
                 }
-                let end = self.at[v as usize].map_or(NONE, |at| walk_edge(self.fine.ground, &self.coarse, at, [v, n], &mut self.worst_m));
+                let end = self.at[v as usize]
+                    .map_or(NONE, |at| walk_edge(self.fine.ground, &self.coarse, at, [v, n], &mut self.worst_m));
                 if end == NONE {
                     self.lost.push([v, n]);
                 } else if self.at[n as usize].is_none() {
@@ -191,7 +192,10 @@ impl<'a> Overlay<'a> {
         }
         let fine_finder = Finder::new(fine.ground, self.bounds);
         let mut under = vec![NONE; n];
-        for (v, &p) in coarse.ground.positions.iter().enumerate().filter(|(v, _)| !is_shared[*v]) {
+        for (v, &p) in coarse.ground.positions.iter().enumerate() {
+            if is_shared[v] || !coarse.has(v as u32) {
+                continue;
+            }
             if near[v] != NONE {
                 let from = fine.ground.positions[near[v] as usize];
                 under[v] = fine.walk(At::Vertex(near[v]), from, p, |_, _| {});

@@ -36,11 +36,7 @@ fn before(side: u32) -> u32 {
 impl<'a> Net<'a> {
     pub(super) fn new(ground: Ground<'a>) -> Self {
         let sides = 3 * ground.triangles.len();
-        let mut net = Self {
-            ground,
-            head: vec![NONE; ground.positions.len()],
-            next: vec![NONE; sides],
-        };
+        let mut net = Self { ground, head: vec![NONE; ground.positions.len()], next: vec![NONE; sides] };
         for (side, &v) in ground.triangles.as_flattened().iter().enumerate() {
             net.next[side] = std::mem::replace(&mut net.head[v as usize], side as u32);
         }
@@ -60,6 +56,11 @@ impl<'a> Net<'a> {
 
     fn place(&self, side: u32) -> DVec3 {
         self.ground.positions[self.vertex(side) as usize]
+    }
+
+    /// Whether a vertex is of any triangle.
+    pub(super) fn has(&self, v: u32) -> bool {
+        self.head[v as usize] != NONE
     }
 
     fn sides_from(&self, v: u32) -> impl Iterator<Item = u32> {
