@@ -4,8 +4,8 @@ use glam::{DVec2, DVec3};
 use std::collections::{HashMap, HashSet};
 use std::hash::{BuildHasherDefault, Hasher};
 use yamanami_core::{
-    ActiveSet, Breakline, BreaklineKind, Hierarchy, NodeId, Sink, Snap, Surface, SurfaceVertex, Tin, TriangleKey,
-    TriangleMesh, VertexId,
+    Breakline, BreaklineKind, Hierarchy, NodeId, Sink, Snap, Surface, SurfaceVertex, Tin, TriangleKey, TriangleMesh,
+    VertexId,
 };
 use yamanami_multires::cluster::{ClusterOptions, ClusterSurface, build_tin};
 use yamanami_multires::tin::line_edges;

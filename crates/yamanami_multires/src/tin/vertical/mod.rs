@@ -45,6 +45,15 @@ fn box_of(points: &[DVec3]) -> [DVec2; 2] {
     [low, high]
 }
 
+/// How far the edge from p to q is above or below that from a to b where they cross, at this share of the latter.
+fn off_at_crossing_m([p, q]: [DVec3; 2], [a, b]: [DVec3; 2], share: f64) -> f64 {
+    // by its place, not by the other two areas: of edges that nearly coincide these are mere rounding
+    let place = a + share * (b - a);
+    let along = (q - p).truncate();
+    let t = ((place - p).truncate().dot(along) / along.length_squared()).clamp(0.0, 1.0);
+    ((p.z + t * (q.z - p.z)) - place.z).abs()
+}
+
 impl Ground<'_> {
     fn corners(&self, triangle: u32) -> [DVec3; 3] {
         self.triangles[triangle as usize].map(|v| self.positions[v as usize])
@@ -215,10 +224,7 @@ impl<'a> Overlay<'a> {
 fn walk_edge(fine: Ground<'_>, coarse: &Net<'_>, at: At, edge: [u32; 2], worst_m: &mut f64) -> u32 {
     let [p, q] = edge.map(|v| fine.positions[v as usize]);
     coarse.walk(at, p, q, |[a, b], share| {
-        let (sp, sq) = (area2(a, b, p), area2(a, b, q));
-        let t = (sp / (sp - sq)).clamp(0.0, 1.0);
-        let difference_m = (p.z + t * (q.z - p.z)) - (a.z + share * (b.z - a.z));
-        *worst_m = worst_m.max(difference_m.abs());
+        *worst_m = worst_m.max(off_at_crossing_m([p, q], [a, b], share));
     })
 }
 

@@ -66,8 +66,7 @@ fn slowly(fine: Ground<'_>, coarse: Ground<'_>) -> f64 {
         for [a, b] in edges(coarse) {
             let (sp, sq, sa, sb) = (area2(a, b, p), area2(a, b, q), area2(p, q, a), area2(p, q, b));
             if sp * sq < 0.0 && sa * sb < 0.0 {
-                let (t, s) = (sp / (sp - sq), sa / (sa - sb));
-                worst_m = worst_m.max(((p.z + t * (q.z - p.z)) - (a.z + s * (b.z - a.z))).abs());
+                worst_m = worst_m.max(off_at_crossing_m([p, q], [a, b], sa / (sa - sb)));
             }
         }
     }
