@@ -47,11 +47,19 @@ fn box_of(points: &[DVec3]) -> [DVec2; 2] {
 
 /// How far the edge from p to q is above or below that from a to b where they cross, at this share of the latter.
 fn off_at_crossing_m([p, q]: [DVec3; 2], [a, b]: [DVec3; 2], share: f64) -> f64 {
-    // by its place, not by the other two areas: of edges that nearly coincide these are mere rounding
+    let share_near = |[from, to]: [DVec3; 2], place: DVec3| {
+        let along = (to - from).truncate();
+        ((place - from).truncate().dot(along) / along.length_squared()).clamp(0.0, 1.0)
+    };
     let place = a + share * (b - a);
-    let along = (q - p).truncate();
-    let t = ((place - p).truncate().dot(along) / along.length_squared()).clamp(0.0, 1.0);
-    ((p.z + t * (q.z - p.z)) - place.z).abs()
+    let t = share_near([p, q], place);
+    let on_edge = p + t * (q - p);
+    if t > 0.0 && t < 1.0 {
+        return (on_edge.z - place.z).abs();
+    }
+    // of edges that nearly coincide the share is mere rounding, and the place may be beyond an end
+    let place = a + share_near([a, b], on_edge) * (b - a);
+    (on_edge.z - place.z).abs()
 }
 
 impl Ground<'_> {
