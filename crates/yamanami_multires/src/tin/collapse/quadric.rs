@@ -93,7 +93,8 @@ impl Quadric {
         }
         let scale = -1.0 / det;
         let (dx, dy) = ((m11 * gx - m01 * gy) * scale, (m00 * gy - m01 * gx) * scale);
-        if !(dx * dx + dy * dy <= reach2_m2) {
+        let off2_m2 = dx * dx + dy * dy;
+        if off2_m2.is_nan() || off2_m2 > reach2_m2 {
             return None;
         }
         let (x, y) = (middle.x + dx, middle.y + dy);

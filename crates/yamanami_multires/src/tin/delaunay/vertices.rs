@@ -71,7 +71,7 @@ pub(super) fn gather(
         let (z_m, line) = if let [_] = group {
             (all[first as usize].z, line_of(first))
         } else {
-            twins.settle(group, &all, of_points, &line_of)
+            twins.settle(group, &all, of_points, line_of)
         };
         for given in group {
             first_of[given.number as usize] = first;
