@@ -141,7 +141,7 @@ impl Watertight {
     fn find_crack(&self) -> Option<DVec3> {
         let mut edges = self.triangles.values().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]);
         let is_border = |v: VertexId| self.at_border[v as usize];
-        let crack = edges.find(|&(a, b)| !(is_border(a) && is_border(b)) && !self.out[b as usize].contains(&a));
+        let crack = edges.find(|&(a, b)| !(self.out[b as usize].contains(&a) || is_border(a) && is_border(b)));
         crack.map(|(a, _)| self.place(a))
     }
 }

@@ -10,8 +10,8 @@ use yamanami_core::TriangleMesh;
 const NONE: u32 = u32::MAX;
 
 /// Share of the products' sum by which a turn must be to the left: far above what rounding can do to it, so that the sign is
-/// certain.
-const CERTAIN: f64 = 1e-12;
+/// certain and no triangle is as thin as that.
+const CERTAIN: f64 = 1e-7;
 
 /// A network that loses triangles. Numbers of triangles and vertices are slots, used again.
 #[derive(Debug)]

@@ -1,7 +1,7 @@
 //! Triangles and edges sorted into cells, for the places where no walk leads.
 
 use super::walk::NONE;
-use super::{Ground, area2, box_of};
+use super::{Ground, area2, box_of, off_at_crossing_m};
 use glam::{DVec2, DVec3};
 use std::cell::{Cell, OnceCell};
 
@@ -134,9 +134,7 @@ impl EdgeCells {
                 let (sp, sq) = (area2(a, b, p), area2(a, b, q));
                 let (sa, sb) = (area2(p, q, a), area2(p, q, b));
                 if sp * sq < 0.0 && sa * sb < 0.0 {
-                    let (t, s) = (sp / (sp - sq), sa / (sa - sb));
-                    let difference_m = (p.z + t * (q.z - p.z)) - (a.z + s * (b.z - a.z));
-                    worst_m = worst_m.max(difference_m.abs());
+                    worst_m = worst_m.max(off_at_crossing_m([p, q], [a, b], sa / (sa - sb)));
                 }
             }
         }

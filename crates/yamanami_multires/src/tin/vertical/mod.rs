@@ -45,6 +45,23 @@ fn box_of(points: &[DVec3]) -> [DVec2; 2] {
     [low, high]
 }
 
+/// How far the edge from p to q is above or below that from a to b where they cross, at this share of the latter.
+fn off_at_crossing_m([p, q]: [DVec3; 2], [a, b]: [DVec3; 2], share: f64) -> f64 {
+    let share_near = |[from, to]: [DVec3; 2], place: DVec3| {
+        let along = (to - from).truncate();
+        ((place - from).truncate().dot(along) / along.length_squared()).clamp(0.0, 1.0)
+    };
+    let place = a + share * (b - a);
+    let t = share_near([p, q], place);
+    let on_edge = p + t * (q - p);
+    if t > 0.0 && t < 1.0 {
+        return (on_edge.z - place.z).abs();
+    }
+    // of edges that nearly coincide the share is mere rounding, and the place may be beyond an end
+    let place = a + share_near([a, b], on_edge) * (b - a);
+    (on_edge.z - place.z).abs()
+}
+
 impl Ground<'_> {
     fn corners(&self, triangle: u32) -> [DVec3; 3] {
         self.triangles[triangle as usize].map(|v| self.positions[v as usize])
@@ -97,7 +114,7 @@ impl<'a> Overlay<'a> {
         let mut stack = Vec::new();
         let mut last_known = At::Triangle(0);
         for seed in 0..self.fine.ground.positions.len() as u32 {
-            if self.is_done[seed as usize] || self.fine.around(seed).next().is_none() {
+            if self.is_done[seed as usize] || !self.fine.has(seed) {
                 continue;
             }
             if self.at[seed as usize].is_none() {
@@ -192,7 +209,10 @@ impl<'a> Overlay<'a> {
         }
         let fine_finder = Finder::new(fine.ground, self.bounds);
         let mut under = vec![NONE; n];
-        for (v, &p) in coarse.ground.positions.iter().enumerate().filter(|(v, _)| !is_shared[*v]) {
+        for (v, &p) in coarse.ground.positions.iter().enumerate() {
+            if is_shared[v] || !coarse.has(v as u32) {
+                continue;
+            }
             if near[v] != NONE {
                 let from = fine.ground.positions[near[v] as usize];
                 under[v] = fine.walk(At::Vertex(near[v]), from, p, |_, _| {});
@@ -212,10 +232,7 @@ impl<'a> Overlay<'a> {
 fn walk_edge(fine: Ground<'_>, coarse: &Net<'_>, at: At, edge: [u32; 2], worst_m: &mut f64) -> u32 {
     let [p, q] = edge.map(|v| fine.positions[v as usize]);
     coarse.walk(at, p, q, |[a, b], share| {
-        let (sp, sq) = (area2(a, b, p), area2(a, b, q));
-        let t = (sp / (sp - sq)).clamp(0.0, 1.0);
-        let difference_m = (p.z + t * (q.z - p.z)) - (a.z + share * (b.z - a.z));
-        *worst_m = worst_m.max(difference_m.abs());
+        *worst_m = worst_m.max(off_at_crossing_m([p, q], [a, b], share));
     })
 }
 

@@ -33,6 +33,12 @@ fn before(side: u32) -> u32 {
     if side.is_multiple_of(3) { side + 2 } else { side - 1 }
 }
 
+/// Whether a place is in a triangle or on its border. All sides are asked: by rounding a line may leave through a side that
+/// it runs along, and then that one alone tells nothing.
+fn is_in([a, b, c]: [DVec3; 3], p: DVec3) -> bool {
+    area2(a, b, p) >= 0.0 && area2(b, c, p) >= 0.0 && area2(c, a, p) >= 0.0
+}
+
 impl<'a> Net<'a> {
     pub(super) fn new(ground: Ground<'a>) -> Self {
         let sides = 3 * ground.triangles.len();
@@ -56,6 +62,11 @@ impl<'a> Net<'a> {
 
     fn place(&self, side: u32) -> DVec3 {
         self.ground.positions[self.vertex(side) as usize]
+    }
+
+    /// Whether a vertex is of any triangle.
+    pub(super) fn has(&self, v: u32) -> bool {
+        self.head[v as usize] != NONE
     }
 
     fn sides_from(&self, v: u32) -> impl Iterator<Item = u32> {
@@ -112,12 +123,11 @@ impl<'a> Net<'a> {
         for k in 0..3 {
             let n = (k + 1) % 3;
             if left[k] < 0.0 && left[n] >= 0.0 {
-                let is_in = area2(corners[k], corners[n], q) >= 0.0;
-                return if is_in { Err(triangle) } else { Ok((sides[k], [left[k], left[n]])) };
+                return if is_in(corners, q) { Err(triangle) } else { Ok((sides[k], [left[k], left[n]])) };
             }
         }
         // along a side: either it ends there, or at a corner the way goes on
-        if (0..3).all(|k| area2(corners[k], corners[(k + 1) % 3], q) >= 0.0) {
+        if is_in(corners, q) {
             return Err(triangle);
         }
         let ahead = |k: usize| (corners[k] - p).truncate().dot((q - p).truncate());
@@ -147,16 +157,13 @@ impl<'a> Net<'a> {
             }
             let tip = self.place(before(entered));
             let tip_left = area2(p, q, tip);
-            let is_in;
+            if is_in([ends[0], tip, ends[1]], q) {
+                return entered / 3;
+            }
             if tip_left >= 0.0 {
                 (side, left) = (after(entered), tip_left);
-                is_in = area2(ends[0], tip, q) >= 0.0;
             } else {
                 (side, right) = (before(entered), tip_left);
-                is_in = area2(tip, ends[1], q) >= 0.0;
-            }
-            if is_in {
-                return entered / 3;
             }
         }
         NONE
