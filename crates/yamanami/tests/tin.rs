@@ -225,7 +225,7 @@ fn culling(poses: usize, seed: u64) -> [usize; 2] {
     for _ in 0..poses {
         let view = random_view(&mut rng, &tin.mesh, [800, 600]);
         let tolerance_px = [1.0, 8.0, 40.0][rng.below(3)];
-        let mut mesh = |controller: &mut Controller, cull: bool| {
+        let mesh = |controller: &mut Controller, cull: bool| {
             let criteria = Criteria { view: Some(ViewCriterion { view, tolerance_px, cull }), ..Criteria::default() };
             controller.update(&surface, &criteria, |_, _| ());
             surface.mesh_of(controller.front())
