@@ -84,7 +84,7 @@ fn a_tin_goes_through_every_command() {
 
     for source in ["a.xml", "b.yama"] {
         let mut last = u64::MAX;
-        for tolerance in ["0", "0.2", "2"] {
+        for tolerance in ["0", "1", "100"] {
             let part = json(folder, &format!("extract %/{source} --tolerance {tolerance} --check -o %/part.xml"));
             assert!(number(&part, "triangles") < last, "{part}");
             last = number(&part, "triangles");
@@ -271,8 +271,8 @@ fn what_is_no_tin_is_told_in_one_line() {
         assert!(error(folder, &format!("tin {name} -o out.yama"), 1).contains(told));
         nothing_at(folder, "out");
     }
-    assert!(error(folder, "build ok.xml html.xml -o out.yama", 2).contains("stands alone"));
-    assert!(error(folder, "build ok.xml @ -o out.yama", 2).contains("stands alone"));
+    assert!(error(folder, "build ok.xml html.xml -o out.yama", 1).contains("html.xml"));
+    error(folder, "build ok.xml @ -o out.yama", 2);
     assert!(error(folder, "tin ok.xml @ -o out.yama", 1).contains("expected one TIN"));
     assert!(error(folder, "tin ok.xml -o out.tif", 1).contains("unknown ending .tif"));
     assert!(error(folder, "tin ok.xml -o ok.xml", 1).contains("is an input"));

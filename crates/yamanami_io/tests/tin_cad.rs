@@ -192,7 +192,7 @@ fn a_mesh_of_triangles_and_quadrilaterals() {
         ]
     );
     for (content, message) in [
-        ("", "a.2dm: line 0: expected 'MESH2D', found the end of the file"),
+        ("", "a.2dm: line 1: expected 'MESH2D', found the end of the file"),
         ("ND 1 0 0 0", "a.2dm: line 1: expected 'MESH2D', found 'ND 1 0 0 0'"),
         ("MESH2D\nND 1 0 x 0", "a.2dm: line 2: expected a node's number and three coordinates, found 'ND 1 0 x 0'"),
         (

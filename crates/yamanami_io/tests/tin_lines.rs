@@ -32,7 +32,7 @@ fn files_of_lines_alone_have_lines_and_no_tin() {
     for (name, text, points, kind) in [
         ("a.dxf", DXF, [DVec3::new(0.0, 0.0, 1.0), DVec3::new(5.0, 5.0, 2.0)], BreaklineKind::Hard),
         ("a.xml", LANDXML, [DVec3::new(10.0, 0.0, 1.0), DVec3::new(30.0, 20.0, 2.0)], BreaklineKind::Soft),
-        ("a.gml", CITYGML, [DVec3::new(2000.0, 1000.0, 3.0), DVec3::new(2020.0, 1010.0, 4.0)], BreaklineKind::Hard),
+        ("a.gml", CITYGML, [DVec3::new(1000.0, 2000.0, 3.0), DVec3::new(1010.0, 2020.0, 4.0)], BreaklineKind::Hard),
     ] {
         let path = file(&folder, name, text);
         let read = read_breaklines(&path, &options).unwrap();

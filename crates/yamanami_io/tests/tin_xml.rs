@@ -117,7 +117,7 @@ fn what_is_wrong_is_dropped_and_told_once_a_kind() {
     assert_eq!(
         read.notes,
         [
-            "points without a place within 1e12 m dropped: 1, first point 4",
+            "points without a place within 1e12 m dropped: 1, first point 5",
             "points with the id of another one dropped: 1, first at line 11",
             "points that are not three numbers dropped: 2, first at line 12",
             "points without an id above zero dropped: 1, first at line 14",
@@ -160,7 +160,7 @@ fn the_surface_with_most_faces_or_the_one_that_is_named() {
     let read = named("a").unwrap();
     assert_eq!((read.tin.name.as_str(), read.other_surfaces), ("a", vec!["b".to_owned(), "points".to_owned()]));
     assert_eq!(named("c").unwrap_err(), "a.xml: Surfaces: expected a surface 'c', found 'a', 'b', 'points'");
-    let points = "a.xml: surface 'points': expected faces that are shown, found 4 points, 0 hidden faces";
+    let points = "a.xml: surface 'points': expected faces that are shown, found 4 points, 0 hidden faces, 0 lines";
     assert_eq!(named("points").unwrap_err(), points);
 }
 

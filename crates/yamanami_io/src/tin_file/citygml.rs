@@ -233,8 +233,9 @@ impl Relief {
         let mut mesh = TriangleMesh::new(self.weld.into_positions(), self.triangles);
         let bounds = metric::bounds(&mesh, &self.lines);
         let srs = self.srs.unwrap_or_default();
-        let looks_like_degrees =
-            bounds.min.truncate().min_element() > -360.0 && bounds.max.truncate().max_element() < 360.0;
+        let looks_like_degrees = bounds.min.is_finite()
+            && bounds.min.truncate().min_element() > -360.0
+            && bounds.max.truncate().max_element() < 360.0;
         if !srs.crs.geographic && looks_like_degrees && !srs.is_known {
             let what =
                 format!("coordinates that look like degrees of '{}', which is not known by formula", srs.crs.name);
