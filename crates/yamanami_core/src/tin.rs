@@ -164,7 +164,7 @@ mod tests {
     #[test]
     fn decimals_of_feet_are_found_and_come_back() {
         let feet = |x: f64| x * US_SURVEY_FOOT_M;
-        let positions = [[835_771.7111, 1_069_494.2166, 450.6821], [835_738.5361, 1_069_521.32, -0.5]]
+        let positions = [[835771.7111, 1069494.2166, 450.6821], [835738.5361, 1069521.32, -0.5]]
             .map(|p: [f64; 3]| DVec3::from_array(p.map(feet)));
         let snap = Snap::of(&positions, US_SURVEY_FOOT_M);
         assert_eq!(snap.per_unit, 1e4);
