@@ -5,6 +5,10 @@
 
 use glam::{DVec2, DVec3};
 
+/// Of a triangle that is thinner than this share of its length only its longest side is left: what rounding does to the
+/// corners of a piece would go up and down its plane by metres.
+const THINNEST: f64 = 1e-9;
+
 /// Height as a linear function of place over a triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Plane {
@@ -22,9 +26,15 @@ impl Plane {
         let [a, b, c] = corners;
         let (u, v) = (b - a, c - a);
         let turn = u.x * v.y - u.y * v.x;
-        let gradient = DVec2::new(u.z * v.y - v.z * u.y, v.z * u.x - u.z * v.x) / turn;
-        // no area left after rounding: level
-        let gradient = if gradient.is_finite() { gradient } else { DVec2::ZERO };
+        // in this order the first and the last corner are the ends of the longest side of a thin one
+        let length2_m2 = v.truncate().length_squared();
+        let gradient = if turn.abs() > THINNEST * length2_m2 {
+            DVec2::new(u.z * v.y - v.z * u.y, v.z * u.x - u.z * v.x) / turn
+        } else if length2_m2 > 0.0 {
+            v.truncate() * (v.z / length2_m2)
+        } else {
+            DVec2::ZERO
+        };
         Self { corner: a, gradient, span: [a.z.min(b.z).min(c.z), a.z.max(b.z).max(c.z)] }
     }
 
