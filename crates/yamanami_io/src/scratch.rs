@@ -127,13 +127,16 @@ impl Scratch {
     }
 }
 
+/// Level of packing: what lies on the disk for a minute is not worth more.
+const FAST: i32 = -4;
+
 impl Scratch {
     /// Appends bytes to a stream, packed; a stream is either packed or not.
     pub fn append_packed(&self, stream: usize, bytes: &[u8]) -> Result<(), IoError> {
         if bytes.is_empty() {
             return Ok(());
         }
-        let packed = zstd::bulk::compress(bytes, 1).map_err(|e| self.failed(e))?;
+        let packed = zstd::bulk::compress(bytes, FAST).map_err(|e| self.failed(e))?;
         let head = [bytes.len() as u64, packed.len() as u64].map(u64::to_le_bytes);
         // in one piece: another thread may append to it, too
         self.append(stream, &[head.as_flattened(), &packed].concat())

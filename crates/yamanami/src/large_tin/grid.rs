@@ -3,7 +3,6 @@
 use super::{TinFacts, TinTiles};
 use crate::Error;
 use glam::DVec3;
-use std::collections::HashSet;
 use std::sync::{Mutex, PoisonError};
 use yamanami_core::{GeoReference, HeightSource, Snap, SnapFinder, Tin, TriangleMesh, Window};
 use yamanami_io::store::TinAnnex;
@@ -17,9 +16,9 @@ pub struct GridTiles<S> {
     size: [usize; 2],
     geo: GeoReference,
     tiles: [usize; 2],
-    /// Coordinates of the columns and rows that two tiles have.
-    columns: HashSet<u64>,
-    rows: HashSet<u64>,
+    /// Coordinates of the columns and rows that two tiles have, ascending: few, and asked for every vertex.
+    columns: Vec<u64>,
+    rows: Vec<u64>,
     title: String,
     snap: Snap,
 }
@@ -52,8 +51,10 @@ where
         }
         let bits = |column: usize, row: usize| place_of(&geo, column, row, 0.0).to_array().map(f64::to_bits);
         let inner = |axis: usize| (1..tiles[axis]).map(|k| k * TILE_CELLS);
-        let columns = inner(0).map(|column| bits(column, 0)[0]).collect();
-        let rows = inner(1).map(|row| bits(0, row)[1]).collect();
+        let mut columns: Vec<u64> = inner(0).map(|column| bits(column, 0)[0]).collect();
+        let mut rows: Vec<u64> = inner(1).map(|row| bits(0, row)[1]).collect();
+        columns.sort_unstable();
+        rows.sort_unstable();
         Ok(Self { source: Mutex::new(source), size, geo, tiles, columns, rows, title, snap: snap.finish() })
     }
 }
@@ -104,7 +105,8 @@ where
     }
 
     fn is_shared(&self, place: DVec3) -> bool {
-        self.columns.contains(&place.x.to_bits()) || self.rows.contains(&place.y.to_bits())
+        let [x, y] = [place.x, place.y].map(f64::to_bits);
+        self.columns.binary_search(&x).is_ok() || self.rows.binary_search(&y).is_ok()
     }
 
     fn facts(&self) -> TinFacts {

@@ -57,6 +57,9 @@ pub struct TinFacts {
 /// Pages coded between two writes.
 const PAGES_AT_ONCE: usize = 64;
 
+/// Tiles in memory for each processor.
+const TILES_A_PROCESSOR: usize = 3;
+
 /// Share of the work that building the tiles is.
 const TILES_SHARE: f32 = 0.7;
 
@@ -87,9 +90,10 @@ pub fn build_tiles(tiles: &dyn TinTiles, path: &Path, progress: &(dyn Fn(f32) + 
         Ok(built)
     };
     let mut built: Vec<(usize, Built)> = Vec::with_capacity(tiles.count());
-    // as many tiles in memory as there are processors
+    // so many tiles in memory; more than one a processor, so that none waits long for another's last tile
+    let at_once = TILES_A_PROCESSOR * rayon::current_num_threads().max(1);
     let numbers: Vec<usize> = (0..tiles.count()).collect();
-    for some in numbers.chunks(rayon::current_num_threads().max(1)) {
+    for some in numbers.chunks(at_once) {
         let made: Vec<Option<Built>> = some.par_iter().map(|&number| build(number)).collect::<Result<_, _>>()?;
         built.extend(some.iter().zip(made).filter_map(|(&number, built)| Some((number, built?))));
     }
