@@ -246,18 +246,10 @@ fn culling(poses: usize, seed: u64) -> [usize; 2] {
 }
 
 #[test]
-fn culling_loses_no_triangle_that_is_seen() {
-    let [seen, lost] = culling(10_000, 5);
-    assert!(seen > 100_000, "{seen}");
-    assert_eq!(lost, 0, "of {seen}");
-}
-
-#[test]
-#[ignore = "ten times as many poses; for release builds"]
 fn culling_loses_no_triangle_of_a_hundred_thousand_poses() {
     let [seen, lost] = culling(100_000, 6);
-    println!("{seen} triangles seen, {lost} lost");
-    assert_eq!(lost, 0);
+    assert!(seen > 1_000_000, "{seen}");
+    assert_eq!(lost, 0, "of {seen}");
 }
 
 #[test]
