@@ -106,29 +106,26 @@ fn store(
             text::count(stored.nodes)
         ),
     )?;
-    out::row(
-        "size",
-        format_args!(
-            "{}, {} bytes a face; the source has {}",
-            text::bytes(bytes),
-            text::number(bytes_per_face),
-            text::bytes(source_bytes)
-        ),
-    )?;
+    size_row(bytes, bytes_per_face, source_bytes)?;
     let kept = if stored.max_error_m > 0.0 {
         format!("kept within {} m", text::number(stored.max_error_m))
     } else {
         "kept bit for bit".to_owned()
     };
     out::row("vertices", kept)?;
-    out::row(
-        "time",
-        format_args!(
-            "{} s, {} million faces a second",
-            text::number(build_s),
-            text::number(faces as f64 / build_s / 1e6)
-        ),
-    )?;
+    time_row(args, faces, build_s)
+}
+
+/// What a database takes, beside its source.
+pub(super) fn size_row(bytes: u64, bytes_per_face: f64, source_bytes: u64) -> Result<(), Failure> {
+    let [bytes, source] = [bytes, source_bytes].map(text::bytes);
+    out::row("size", format_args!("{bytes}, {} bytes a face; the source has {source}", text::number(bytes_per_face)))
+}
+
+/// How long it took, and what may be done next.
+pub(super) fn time_row(args: &BuildArgs, faces: u64, build_s: f64) -> Result<(), Failure> {
+    let rate = text::number(faces as f64 / build_s / 1e6);
+    out::row("time", format_args!("{} s, {rate} million faces a second", text::number(build_s)))?;
     note(&format!("next: yamanami fly {} --budget 100000", args.output.display()));
     Ok(())
 }

@@ -1,7 +1,7 @@
 //! `build` of many TINs, or of the cells of a grid: tile by tile, however large.
 
 use super::build::BuildArgs;
-use super::build_model::{check_exact, title};
+use super::build_model::{check_exact, size_row, time_row, title};
 use crate::failure::Failure;
 use crate::progress::{Bar, note};
 use crate::{inputs, out, text};
@@ -87,23 +87,6 @@ fn report(args: &BuildArgs, tiles: usize, stored: &ModelStored, read_s: f64, bui
             text::count(tiles)
         ),
     )?;
-    out::row(
-        "size",
-        format_args!(
-            "{}, {} bytes a face; the source has {}",
-            text::bytes(bytes),
-            text::number(bytes_per_face),
-            text::bytes(source_bytes)
-        ),
-    )?;
-    out::row(
-        "time",
-        format_args!(
-            "{} s, {} million faces a second",
-            text::number(build_s),
-            text::number(meta.source_faces as f64 / build_s / 1e6)
-        ),
-    )?;
-    note(&format!("next: yamanami fly {} --budget 100000", args.output.display()));
-    Ok(())
+    size_row(bytes, bytes_per_face, source_bytes)?;
+    time_row(args, meta.source_faces, build_s)
 }

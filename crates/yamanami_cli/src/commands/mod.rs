@@ -56,6 +56,7 @@ Start with:
   yamanami fly dem.yama --budget 100000 -o flight
                                              a flight with never more than 100,000 triangles
 
+TINs: LandXML, DXF, CityGML relief, 2DM, quantized-mesh; points with breaklines (yamanami tin --help).
 Elevation files: GeoTIFF and COG, SRTM .hgt, DTED, ESRI ASCII, GSI FG-GML, elevation tiles. Several
 make one mosaic, and a .yama stands wherever they do. Results go to stdout, progress to stderr.
 Exit code: 0 success, 1 failure, 2 misuse."
