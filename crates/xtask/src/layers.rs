@@ -37,6 +37,7 @@ const LAYERS: &[Layer] = &[
     Layer { package: "yamanami_lod", siblings: &["yamanami_core"], in_tests: TESTKIT, never: PURE_NEVER },
     Layer { package: "yamanami_io", siblings: &["yamanami_core"], in_tests: TESTKIT, never: FRONT_ENDS },
     Layer { package: "yamanami_gpu", siblings: &["yamanami_core"], in_tests: TESTKIT, never: FRONT_ENDS },
+    Layer { package: "yamanami_map", siblings: &["yamanami_core"], in_tests: TESTKIT, never: FRONT_ENDS },
     Layer { package: "yamanami_measure", siblings: &["yamanami_core"], in_tests: TESTKIT, never: FRONT_ENDS },
     Layer { package: "yamanami_testkit", siblings: &["yamanami_core"], in_tests: &[], never: FRONT_ENDS },
     Layer {
@@ -47,6 +48,7 @@ const LAYERS: &[Layer] = &[
             "yamanami_lod",
             "yamanami_io",
             "yamanami_gpu",
+            "yamanami_map",
             "yamanami_measure",
         ],
         in_tests: TESTKIT,

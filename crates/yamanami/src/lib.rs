@@ -94,5 +94,6 @@ pub use yamanami_io as io;
 pub use yamanami_lod::{
     Controller, Criteria, FrameReport, Front, LimitedBy, PaperController, Staircase, Step, ViewCriterion,
 };
+pub use yamanami_map as map;
 pub use yamanami_measure as measure;
 pub use yamanami_multires as multires;

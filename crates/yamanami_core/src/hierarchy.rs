@@ -7,7 +7,7 @@
 //! parent's error is not below its child's; a parent's bound contains its child's; every parent-closed set is a
 //! conforming mesh; refine then coarsen restores the sink.
 
-use crate::{Sink, TriangleMesh};
+use crate::{MapView, Projection, Sink, TriangleMesh};
 use glam::DVec3;
 
 /// Number of a node; a parent's number is always below its children's.
@@ -93,6 +93,14 @@ pub trait Hierarchy {
     #[inline]
     fn error_and_bound(&self, node: NodeId) -> (f32, Sphere) {
         (self.error_m(node), self.bound(node))
+    }
+
+    /// How far, in pixels, the picture of a deformed map may be off while this node is not applied. Like the error it
+    /// never rises from a parent to its child. By default what a vertical error does anywhere in the bound; surfaces
+    /// with coarse triangles must add what the projection bends ([`MapView::patch_error_px`]).
+    fn map_error_px(&self, node: NodeId, view: &MapView) -> f32 {
+        let (error_m, bound) = self.error_and_bound(node);
+        view.error_px(f64::from(error_m), bound) as f32
     }
 
     /// Triangles that applying this node to the parent-closed set `active` (without it) adds, exactly. Where a hole

@@ -7,12 +7,15 @@
 #![forbid(unsafe_code)]
 
 mod cluster_page;
+mod deformed;
 mod details;
 mod geo;
+mod geodata;
 mod height_field;
 mod hierarchy;
 mod lattice;
 mod mesh;
+mod nested_field;
 mod semi_regular;
 mod sink;
 mod source;
@@ -21,12 +24,15 @@ mod tin;
 mod view;
 
 pub use cluster_page::{BASE_CLUSTERS, ClusterNode, ClusterPage, ClusterVertex, GroupId};
+pub use deformed::{Curvature, DeformedMap, DropFrom, EARTH_RADIUS_M, MapFault, MapView, Patch};
 pub use details::{DetailScheme, Predictor};
 pub use geo::{Crs, GeoReference, PixelConvention};
+pub use geodata::{LineKind, MapLine, NamedPlace, PlaceKind};
 pub use height_field::HeightField;
 pub use hierarchy::{ActiveSet, Hierarchy, NodeId, NodeList, Sphere, Surface};
 pub use lattice::{Lattice, LatticeNode};
 pub use mesh::{Aabb, Material, Texture, TriangleMesh};
+pub use nested_field::{FieldLevel, NestedField};
 pub use semi_regular::{BaseEdge, BaseFault, BaseMesh, Place, SemiRegular, Side};
 pub use sink::{MeshMirror, Sink, SurfaceVertex, TriangleKey, VertexId};
 pub use source::{HeightSource, Window};

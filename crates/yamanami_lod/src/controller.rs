@@ -258,8 +258,7 @@ impl Controller {
 
     fn weigh<H: Hierarchy>(&mut self, hierarchy: &H, scale: &Scale, node: NodeId) -> Weighed {
         self.front.state_mut(node).hot = true;
-        let (error_m, bound) = hierarchy.error_and_bound(node);
-        let seen = scale.weigh(error_m, bound);
+        let seen = scale.weigh(hierarchy, node);
         self.seen.push(seen);
         Weighed { rank: Ranked { priority: seen.priority, node }, seen: self.seen.len() as u32 - 1 }
     }
@@ -536,6 +535,10 @@ impl Controller {
 fn movement(last: &Criteria, now: &Criteria) -> Option<(f64, f64)> {
     if last.terrain_tolerance_m != now.terrain_tolerance_m && now.view.is_some() || last.hysteresis != now.hysteresis {
         return None;
+    }
+    if last.map.is_some() || now.map.is_some() {
+        // nothing bounds what a change of projection does to a node: all are weighed again
+        return (last.map == now.map).then_some((0.0, 0.0));
     }
     match (&last.view, &now.view) {
         (None, None) => Some((0.0, 0.0)),

@@ -3,7 +3,7 @@
 //! Based on: Hashida, Kanai, Kishinami (the three controls at once). The view control here is the continuous
 //! screen-space error; the paper's staircase is in `paper`.
 
-use yamanami_core::{Frustum, Sphere, View};
+use yamanami_core::{Frustum, Hierarchy, MapView, NodeId, Sphere, View};
 
 /// The view control: errors count by what they look like.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,6 +16,15 @@ pub struct ViewCriterion {
     pub cull: bool,
 }
 
+/// The view control of a deformed map: errors count by how far they move the picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MapCriterion {
+    /// The map.
+    pub view: MapView,
+    /// Largest error wanted in the picture, pixels.
+    pub tolerance_px: f32,
+}
+
 /// All controls. Switched off: tolerances of 0, no view, no budget.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Criteria {
@@ -23,6 +32,8 @@ pub struct Criteria {
     pub terrain_tolerance_m: f32,
     /// The view control.
     pub view: Option<ViewCriterion>,
+    /// The view control of a deformed map; it takes the place of `view` and of the terrain tolerance.
+    pub map: Option<MapCriterion>,
     /// Most triangles allowed.
     pub budget_triangles: Option<u32>,
     /// How much worse, relatively, a node must get than it had to be to be shown before it is taken away: 0 is exact,
@@ -36,6 +47,7 @@ pub struct Criteria {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Scale {
     terrain_tolerance_m: f32,
+    map: Option<MapView>,
     pub(crate) view: Option<Eye>,
 }
 
@@ -49,13 +61,15 @@ pub(crate) struct Eye {
 impl Criteria {
     /// The error beyond which nodes are wanted: pixels with a view, metres without.
     pub fn threshold(&self) -> f32 {
-        self.view.map_or(self.terrain_tolerance_m, |v| v.tolerance_px).max(f32::MIN_POSITIVE)
+        let in_view = self.map.map(|m| m.tolerance_px).or(self.view.map(|v| v.tolerance_px));
+        in_view.unwrap_or(self.terrain_tolerance_m).max(f32::MIN_POSITIVE)
     }
 
     pub(crate) fn scale(&self) -> Scale {
         Scale {
             terrain_tolerance_m: self.terrain_tolerance_m,
-            view: self.view.map(|v| Eye {
+            map: self.map.map(|m| m.view),
+            view: self.view.filter(|_| self.map.is_none()).map(|v| Eye {
                 view: v.view,
                 pixels_per_radian: v.view.pixels_per_radian(),
                 frustum: v.cull.then(|| v.view.frustum()),
@@ -67,7 +81,7 @@ impl Criteria {
 /// A node as seen in a frame: its priority and how far it is from changing sides.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Seen {
-    /// Error in pixels (metres without a view), 0 when the node need not be shown.
+    /// Error in pixels (metres without any view), 0 when the node need not be shown.
     pub(crate) priority: f32,
     pub(crate) error_m: f32,
     /// Distance of the eye from the bound's centre and from its surface (negative inside), metres.
@@ -80,7 +94,17 @@ pub(crate) struct Seen {
 impl Scale {
     /// Weighs a node. The priority never rises from a parent to its child.
     #[inline]
-    pub(crate) fn weigh(&self, error_m: f32, bound: Sphere) -> Seen {
+    pub(crate) fn weigh<H: Hierarchy>(&self, hierarchy: &H, node: NodeId) -> Seen {
+        if let Some(map) = &self.map {
+            let priority = hierarchy.map_error_px(node, map);
+            return Seen { priority, error_m: 0.0, centre_m: 0.0, surface_m: 0.0, side_m: f64::INFINITY };
+        }
+        let (error_m, bound) = hierarchy.error_and_bound(node);
+        self.weigh_in_view(error_m, bound)
+    }
+
+    #[inline]
+    fn weigh_in_view(&self, error_m: f32, bound: Sphere) -> Seen {
         let mut seen = Seen { priority: 0.0, error_m, centre_m: 0.0, surface_m: 0.0, side_m: f64::INFINITY };
         let Some(eye) = &self.view else {
             seen.priority = error_m;

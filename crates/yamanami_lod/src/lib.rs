@@ -14,7 +14,7 @@ mod paper;
 mod wheel;
 
 pub use controller::{Controller, FrameReport, LimitedBy};
-pub use criteria::{Criteria, ViewCriterion};
+pub use criteria::{Criteria, MapCriterion, ViewCriterion};
 pub use front::{Front, Step};
 pub use oracle::extract;
 pub use paper::{PaperController, Staircase};

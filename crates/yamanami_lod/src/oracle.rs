@@ -30,10 +30,7 @@ impl PartialOrd for Ranked {
 /// next one does not fit the budget. Absent nodes are passed over. Hysteresis and step limit play no part.
 pub fn extract(hierarchy: &impl Hierarchy, criteria: &Criteria) -> Front {
     let scale = criteria.scale();
-    let rank = |node| {
-        let (error_m, bound) = hierarchy.error_and_bound(node);
-        Ranked { priority: scale.weigh(error_m, bound).priority, node }
-    };
+    let rank = |node| Ranked { priority: scale.weigh(hierarchy, node).priority, node };
     let budget = criteria.budget_triangles.map_or(i64::MAX, i64::from);
     let mut front = Front::new(hierarchy);
     let mut open: BinaryHeap<Ranked> = hierarchy.roots().into_iter().map(rank).collect();

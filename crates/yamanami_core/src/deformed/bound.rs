@@ -1,0 +1,122 @@
+//! How far a coarse mesh may draw ground from its true place: an upper bound, never an estimate.
+//!
+//! A triangle is drawn straight between the pictures of its corners. A point of ground under it is therefore off by what
+//! its height differs from the triangle's (times the greatest ∂ρ/∂z), by what the projection bends over the triangle
+//! (edge² / 8 times its greatest second derivative along a straight line of the triangle), and by the kink at the ring.
+//! With tan φ = d / Z, T = tan(φ/2), c = cos φ and D the slant distance,
+//!
+//! ```text
+//! −T_Z = (1 − c) / d      T_ZZ = sin φ / D²      T_d = c / ((1 + c)·D)
+//! T_dZ = (1 / (1 + c) − c) / D²                  −T_dd = sin φ·c·(2 + c) / ((1 + c)²·D²)
+//! ```
+//!
+//! The plane's share α·r / D_R is linear in the plane and bends nothing.
+
+use super::DeformedMap;
+use glam::DVec2;
+
+/// A piece of ground: all within a circle of the plane and a range of heights.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Patch {
+    /// Centre of the circle, metres.
+    pub centre: DVec2,
+    /// Its radius, metres.
+    pub radius_m: f64,
+    /// Lowest ground and triangle in it, metres.
+    pub low_m: f64,
+    /// Highest ground and triangle in it, metres.
+    pub high_m: f64,
+}
+
+/// Where −T_dd·D² is greatest for depths above 0, radians, and its value there.
+const MOST_BENT_RAD: f64 = 0.907;
+const MOST_BENT: f64 = 0.4873;
+
+/// (d / Z) where ∂ρ/∂z of one depth is greatest: the square root of the golden ratio.
+const STEEPEST: f64 = 1.272_019_649_514_069;
+
+impl DeformedMap {
+    /// How far, in radii of the plain map, the picture of any point of ground in `patch` lies from where it is drawn by
+    /// triangles with corners in the patch that are off by up to `error_m` vertically, have right angles, edges of up to
+    /// `edge_m` in plan and corners that differ by up to `rise_m` in height. Never falls when any of them grows.
+    ///
+    /// Infinite where the patch reaches above the eye at the ring.
+    pub fn error_bound(&self, patch: &Patch, error_m: f64, edge_m: f64, rise_m: f64) -> f64 {
+        let off_m = (patch.centre - self.centre).length();
+        let r1 = off_m + patch.radius_m;
+        if r1 <= self.ring_m {
+            return 0.0;
+        }
+        let r0 = (off_m - patch.radius_m).max(self.ring_m);
+        let (d0, d1) = (r0 - self.ring_m, r1 - self.ring_m);
+        let (low_z, high_z) = (self.depth_m(r0, patch.high_m), self.depth_m(r1, patch.low_m));
+        let lean = steepest(d0, d1, low_z);
+        if lean.is_infinite() {
+            return f64::INFINITY;
+        }
+        let sphere = (1.0 - self.alpha_at(r1)) * self.scale;
+        let by_height = sphere * self.exaggeration * lean * error_m;
+        if edge_m <= 0.0 {
+            return by_height;
+        }
+        let bend = self.bend([r0, r1], [low_z, high_z], lean, edge_m, rise_m);
+        by_height + bend * edge_m * edge_m / 8.0 + self.kink(off_m - patch.radius_m, patch, edge_m)
+    }
+
+    /// Greatest second derivative of the picture along straight lines of triangles.
+    fn bend(&self, [r0, r1]: [f64; 2], [low_z, high_z]: [f64; 2], lean: f64, edge_m: f64, rise_m: f64) -> f64 {
+        let (d0, d1) = (r0 - self.ring_m, r1 - self.ring_m);
+        let (phi0, phi1) = (d0.atan2(high_z), d1.atan2(low_z));
+        let slant = d0.hypot(low_z.max(0.0));
+        let per_area = 1.0 / (slant * slant);
+        let ends = |g: fn(f64) -> f64| g(phi0).abs().max(g(phi1).abs());
+        let t_zz = per_area * if (phi0..=phi1).contains(&std::f64::consts::FRAC_PI_2) { 1.0 } else { ends(f64::sin) };
+        let t_dz = per_area * ends(|phi| 1.0 / (1.0 + phi.cos()) - phi.cos());
+        let most = if (phi0..=phi1).contains(&MOST_BENT_RAD) { MOST_BENT } else { 0.0 };
+        let t_dd = per_area
+            * ends(|phi| {
+                let c = phi.cos();
+                phi.sin() * c * (2.0 + c) / ((1.0 + c) * (1.0 + c))
+            })
+            .max(most);
+        let t_d = (phi0.cos() / (1.0 + phi0.cos())).abs().max((phi1.cos() / (1.0 + phi1.cos())).abs()) / slant;
+        let t = (0.5 * phi1).tan();
+        let s = self.scale;
+        // w = 1 − α(r), its first and second derivative
+        let alpha = self.alpha_at(r0);
+        let w = 1.0 - self.alpha_at(r1);
+        let (w1, w2) = (self.alpha_fall * alpha / r0, self.alpha_fall * (self.alpha_fall + 1.0) * alpha / (r0 * r0));
+        let (q, q1) = ((1.0 + s * t).max(r1 / self.ring_m), s * t_d + 1.0 / self.ring_m);
+        let across = w * ((1.0 + s * t) / (r0 * r0)).max(s * t_d / r0) + w1 * q / r0;
+        let along = w * s * t_dd + 2.0 * w1 * q1 + w2 * q;
+        // slope of depth along a line: of the triangle's plane, and of the curved Earth
+        let bend_per_m = self.bend_per_m();
+        let slope = self.exaggeration * (2.0 * rise_m / edge_m + bend_per_m * self.drop_distance_m(r1));
+        let by_slope = 2.0 * w * s * t_dz * slope
+            + w * s * t_zz * slope * slope
+            + 2.0 * s * lean * slope * (w / r0 + w1)
+            + w * s * lean * self.exaggeration * bend_per_m;
+        along.max(across).hypot(across) + by_slope
+    }
+
+    /// What the change of slope at the ring may add.
+    fn kink(&self, nearest_m: f64, patch: &Patch, edge_m: f64) -> f64 {
+        if nearest_m >= self.ring_m {
+            return 0.0;
+        }
+        let jump = [patch.low_m, patch.high_m]
+            .map(|z| (self.scale / (2.0 * self.depth_m(self.ring_m, z)) - 1.0 / self.ring_m).abs());
+        // a quarter of the edge were the ring straight; the rest is for its sagitta
+        (1.0 - self.alpha) * jump[0].max(jump[1]) * edge_m * (0.25 + 0.25 * edge_m / self.ring_m)
+    }
+}
+
+/// Greatest (1 − cos φ) / d for distances in a range and depths of at least `depth_m`.
+fn steepest(d0: f64, d1: f64, depth_m: f64) -> f64 {
+    if depth_m <= 0.0 {
+        // rises without bound towards the ring
+        return if d0 > 0.0 { (1.0 - depth_m / d0.hypot(depth_m)) / d0 } else { f64::INFINITY };
+    }
+    let d = (STEEPEST * depth_m).clamp(d0, d1);
+    if d > 0.0 { (1.0 - depth_m / d.hypot(depth_m)) / d } else { 0.0 }
+}
