@@ -6,5 +6,9 @@
 #![forbid(unsafe_code)]
 
 mod error;
+mod horizon;
+mod relief;
 
 pub use error::MapError;
+pub use horizon::{HorizonTable, SeenFrom, Sightline};
+pub use relief::{GroundPicture, ReliefStyle, TintStop, paint};
