@@ -7,8 +7,10 @@
 
 mod error;
 mod horizon;
+mod ink;
 mod relief;
 
 pub use error::MapError;
 pub use horizon::{HorizonTable, SeenFrom, Sightline};
+pub use ink::{InkStyle, ink};
 pub use relief::{GroundPicture, ReliefStyle, TintStop, paint};
