@@ -61,6 +61,16 @@ pub(crate) fn plan_place(text: &str) -> Result<[f64; 2], String> {
         .ok_or_else(|| "expected two numbers X,Y in the source's CRS".to_owned())
 }
 
+/// `LAT,LON`: a place on Earth, degrees.
+pub(crate) fn lat_lon(text: &str) -> Result<[f64; 2], String> {
+    let numbers: Result<Vec<f64>, String> = text.split(',').map(number).collect();
+    numbers
+        .ok()
+        .and_then(|v| <[f64; 2]>::try_from(v).ok())
+        .filter(|[lat, lon]| lat.abs() <= 90.0 && (-180.0..=360.0).contains(lon))
+        .ok_or_else(|| "expected LAT,LON in degrees: -90 to 90, -180 to 360".to_owned())
+}
+
 /// `X,Y X,Y …`: the corners of a line.
 pub(crate) fn line(text: &str) -> Result<Vec<[f64; 2]>, String> {
     let places: Result<Vec<_>, _> = text.split([' ', ';']).filter(|t| !t.is_empty()).map(plan_place).collect();

@@ -1,0 +1,249 @@
+//! What `map` is asked for: the place, the projection, how fine, what is drawn, on what sheet.
+
+use crate::failure::Failure;
+use crate::values;
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+use yamanami::core::{Curvature, DeformedMap, DropFrom};
+
+/// Where the map stands and how far it reaches.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Place")]
+pub(crate) struct PlaceArgs {
+    /// Centre of the map, degrees
+    #[arg(long, value_name = "LAT,LON", value_parser = values::lat_lon, allow_hyphen_values = true)]
+    pub(crate) at: [f64; 2],
+    /// How far the map reaches, kilometres
+    #[arg(long, value_name = "KM", default_value_t = 160.0, value_parser = values::positive)]
+    pub(crate) radius: f64,
+    /// Azimuth that points up, degrees clockwise from north
+    #[arg(long, value_name = "DEG", default_value_t = 0.0, value_parser = values::number, allow_hyphen_values = true)]
+    pub(crate) up: f64,
+    /// Metres between the heights of the widest grid; nearer ones are finer
+    #[arg(long, value_name = "M", default_value_t = 200.0, value_parser = values::positive)]
+    pub(crate) spacing: f64,
+    /// What ground without data is
+    #[arg(long, value_enum, default_value_t, value_name = "WHAT")]
+    pub(crate) no_data: NoData,
+}
+
+/// What ground without data is.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum NoData {
+    /// Open sea
+    #[default]
+    Sea,
+    /// Left blank
+    Blank,
+}
+
+/// From where the ground falls away.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Curved {
+    /// From the ring, above which the eyes stand
+    #[default]
+    Ring,
+    /// From the centre, as a viewer there has it
+    Centre,
+    /// A flat Earth, as in the paper
+    None,
+}
+
+/// The projection.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Projection")]
+pub(crate) struct ProjectionArgs {
+    /// Radius of the plain map in the middle (D_R), kilometres
+    #[arg(long, value_name = "KM", default_value_t = 10.0, value_parser = values::number, allow_hyphen_values = true)]
+    pub(crate) ring: f64,
+    /// Height of the eye above sea, metres; all ground near the ring must lie lower
+    #[arg(long, value_name = "M", default_value_t = 5000.0, value_parser = values::number, allow_hyphen_values = true)]
+    pub(crate) eye: f64,
+    /// Share of the plane beyond the ring: 0 a panorama, 1 a map
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = values::number, allow_hyphen_values = true)]
+    pub(crate) alpha: f64,
+    /// How fast alpha falls with distance: as (D_R / r)^P
+    #[arg(long, value_name = "P", default_value_t = 0.0, value_parser = values::not_negative)]
+    pub(crate) alpha_fall: f64,
+    /// Scale of the far part; else the one that joins the ring smoothly (1 is the paper's)
+    #[arg(long, value_name = "S", value_parser = values::positive)]
+    pub(crate) scale: Option<f64>,
+    /// Factor on heights
+    #[arg(long, value_name = "F", default_value_t = 1.0, value_parser = values::positive)]
+    pub(crate) exaggeration: f64,
+    /// From where the Earth curves down
+    #[arg(long, value_enum, default_value_t, value_name = "FROM")]
+    pub(crate) curvature: Curved,
+    /// Bending of light, as a share of the Earth's curvature
+    #[arg(long, value_name = "K", default_value_t = 0.13, value_parser = values::number)]
+    pub(crate) refraction: f64,
+}
+
+impl ProjectionArgs {
+    /// The projection around the plane's origin; its numbers are checked.
+    pub(crate) fn map(&self) -> Result<DeformedMap, Failure> {
+        let (ring_m, eye_m) = (1000.0 * self.ring, self.eye);
+        let curvature = |from| Some(Curvature { refraction: self.refraction, from });
+        let map = DeformedMap {
+            ring_m,
+            eye_m,
+            alpha: self.alpha,
+            alpha_fall: self.alpha_fall,
+            scale: self.scale.unwrap_or_else(|| DeformedMap::smooth_scale(ring_m, eye_m)),
+            exaggeration: self.exaggeration,
+            curvature: match self.curvature {
+                Curved::Ring => curvature(DropFrom::Ring),
+                Curved::Centre => curvature(DropFrom::Centre),
+                Curved::None => None,
+            },
+            ..DeformedMap::default()
+        };
+        map.check().map_err(|fault| Failure::misuse(fault.to_string()))?;
+        Ok(map)
+    }
+}
+
+/// Which mesh is drawn.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum MapLod {
+    /// As coarse as the tolerance allows wherever it does
+    #[default]
+    Exact,
+    /// The bands of distance of Hori et al., heights moved to keep peaks
+    Paper,
+    /// Every sample
+    Full,
+}
+
+/// How fine the ground is.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "How fine")]
+pub(crate) struct MapFinenessArgs {
+    /// Which mesh is drawn
+    #[arg(long, value_enum, default_value_t, value_name = "NAME")]
+    pub(crate) lod: MapLod,
+    /// No ground is drawn further from its place than this, pixels
+    #[arg(long, value_name = "P", default_value_t = 1.0, value_parser = values::tolerance)]
+    pub(crate) tolerance_px: f32,
+    /// Most triangles
+    #[arg(long, value_name = "N", value_parser = values::budget)]
+    pub(crate) budget: Option<u32>,
+}
+
+/// What is drawn besides the ground.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Names and lines")]
+pub(crate) struct OverlayArgs {
+    /// Named places: CSV, GeoJSON or GeoPackage; may be given several times
+    #[arg(long, value_name = "FILE")]
+    pub(crate) places: Vec<PathBuf>,
+    /// Rivers, roads, coasts: GeoJSON, GeoPackage, Shapefile or CSV with WKT; may be given several times
+    #[arg(long, value_name = "FILE")]
+    pub(crate) lines: Vec<PathBuf>,
+    /// A walk: GPX; may be given several times
+    #[arg(long, value_name = "FILE")]
+    pub(crate) track: Vec<PathBuf>,
+    /// A picture with a georeference, laid over the plain map and faded out beyond it
+    #[arg(long, value_name = "FILE")]
+    pub(crate) image: Option<PathBuf>,
+    /// Show hidden summits too, in grey
+    #[arg(long)]
+    pub(crate) hidden: bool,
+    /// Name only what is seen by somebody standing at the centre
+    #[arg(long)]
+    pub(crate) from_ground: bool,
+    /// Most names
+    #[arg(long, value_name = "N", default_value_t = 120)]
+    pub(crate) most_names: usize,
+    /// Language of the sheet
+    #[arg(long, value_enum, default_value_t, value_name = "LANG")]
+    pub(crate) lang: Lang,
+    /// A font for names whose letters the program's own lacks: TTF or OTF
+    #[arg(long, value_name = "FILE")]
+    pub(crate) font: Option<PathBuf>,
+}
+
+/// Language of the sheet's own words.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Lang {
+    /// Japanese
+    #[default]
+    Ja,
+    /// English
+    En,
+}
+
+/// Paper in the A series, upright.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Paper {
+    /// 841 x 1189 mm
+    A0,
+    /// 594 x 841 mm
+    A1,
+    /// 420 x 594 mm
+    A2,
+    /// 297 x 420 mm
+    A3,
+    /// 210 x 297 mm
+    A4,
+}
+
+impl Paper {
+    /// Width and height in millimetres.
+    pub(crate) fn size_mm(self) -> [f64; 2] {
+        match self {
+            Self::A0 => [841.0, 1189.0],
+            Self::A1 => [594.0, 841.0],
+            Self::A2 => [420.0, 594.0],
+            Self::A3 => [297.0, 420.0],
+            Self::A4 => [210.0, 297.0],
+        }
+    }
+}
+
+/// The sheet.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Sheet")]
+pub(crate) struct SheetArgs {
+    /// Paper, upright
+    #[arg(long, value_enum, value_name = "NAME", conflicts_with = "size")]
+    pub(crate) paper: Option<Paper>,
+    /// The paper lies on its long side
+    #[arg(long, requires = "paper")]
+    pub(crate) landscape: bool,
+    /// Dots an inch of the paper
+    #[arg(long, value_name = "N", default_value_t = 300.0, value_parser = values::positive)]
+    pub(crate) dpi: f64,
+    /// Picture size in pixels, in place of a paper [default: 1600x1600]
+    #[arg(long, value_name = "WxH", value_parser = values::picture_size)]
+    pub(crate) size: Option<[u32; 2]>,
+    /// Title of the sheet
+    #[arg(long, value_name = "TEXT")]
+    pub(crate) title: Option<String>,
+    /// Where the data come from, for the foot of the sheet
+    #[arg(long, value_name = "TEXT")]
+    pub(crate) credit: Option<String>,
+    /// No colour where there is no ground
+    #[arg(long)]
+    pub(crate) transparent: bool,
+    /// Only the ground: no names, lines, rings, legend
+    #[arg(long)]
+    pub(crate) bare: bool,
+    /// Distance at which ground has faded into the air by two thirds, kilometres; 0 for clear air
+    #[arg(long, value_name = "KM", default_value_t = 230.0, value_parser = values::not_negative)]
+    pub(crate) haze: f64,
+    /// Draw the mesh
+    #[arg(long)]
+    pub(crate) wireframe: bool,
+}
+
+impl SheetArgs {
+    /// Size in pixels, and pixels in a millimetre of paper.
+    pub(crate) fn size_px(&self) -> ([u32; 2], f64) {
+        let Some(paper) = self.paper else { return (self.size.unwrap_or([1600, 1600]), 1600.0 / 210.0) };
+        let per_mm = self.dpi / 25.4;
+        let [short, long] = paper.size_mm();
+        let mm = if self.landscape { [long, short] } else { [short, long] };
+        (mm.map(|side| (side * per_mm).round().max(1.0) as u32), per_mm)
+    }
+}
