@@ -73,7 +73,11 @@ impl Heights {
         let at = (DVec2::new(p.x, -p.y) / SPACING_M + middle).clamp(DVec2::ZERO, DVec2::splat(2.0 * middle - 1e-6));
         let (column, row) = (at.x as usize, at.y as usize);
         let part = at - at.floor();
-        let z = |dx, dy| f64::from(self.0.heights_m()[(row + dy) * SIDE + column + dx]);
+        // folded many times, a smooth relief becomes ridges and valleys
+        let z = |dx, dy| {
+            let folds = f64::from(self.0.heights_m()[(row + dy) * SIDE + column + dx]) / 200.0;
+            2900.0 * (1.0 - 2.0 * (folds - folds.round()).abs()) - 700.0
+        };
         let (upper, lower) = (z(0, 0) + (z(1, 0) - z(0, 0)) * part.x, z(0, 1) + (z(1, 1) - z(0, 1)) * part.x);
         (upper + (lower - upper) * part.y).max(0.0)
     }
