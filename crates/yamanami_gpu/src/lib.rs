@@ -30,6 +30,7 @@ mod error;
 mod frame;
 #[cfg(feature = "wgpu")]
 mod gpu;
+mod map;
 mod morph;
 mod normals;
 mod options;
@@ -44,6 +45,7 @@ pub use error::GpuError;
 pub use frame::depth_planes_m;
 #[cfg(feature = "wgpu")]
 pub use gpu::{Gpu, Renderer, ResidentMesh, UploadStats};
+pub use map::{Hidden, HorizonTable, MAX_TEXTURES, MapOptions, MapTexture, MapTextures, Veil};
 pub use morph::{Morph, morph_weight, morphed_height_m};
 pub use normals::vertex_normals;
 pub use options::{Background, ColourBy, Haze, Light, RenderOptions, STEEP_RAD, Shading, Wireframe};

@@ -100,13 +100,13 @@ pub(crate) fn surface_colour(frame: &Frame, albedo: Vec3, from_eye: Vec3, normal
 
 /// Share of the wireframe's colour at perspective-correct barycentric coordinates `b`, whose length of gradient over the
 /// screen is `slope` (per pixel).
-pub(crate) fn wire_share(frame: &Frame, b: Vec3, slope: Vec3) -> f32 {
+pub(crate) fn wire_share(b: Vec3, slope: Vec3, width_px: f32, opacity: f32) -> f32 {
     let slope = slope.max(Vec3::splat(1e-9));
     let distance_px = (b / slope).min_element();
     let height_px = (1.0 / slope).min_element();
-    let line = (0.5 + 0.5 * frame.wire_width_px - distance_px).clamp(0.0, 1.0);
+    let line = (0.5 + 0.5 * width_px - distance_px).clamp(0.0, 1.0);
     let room = ((height_px - 1.5) / 4.5).clamp(0.0, 1.0);
-    frame.wire[3] * line * room
+    opacity * line * room
 }
 
 /// The first three numbers.

@@ -7,6 +7,7 @@
 //! Homogeneous Coordinates", 1997 (attributes without clipping); Christopher Burns, Warren Hunt, "The Visibility Buffer",
 //! 2013.
 
+pub mod map;
 mod place;
 mod raster;
 mod resolve;

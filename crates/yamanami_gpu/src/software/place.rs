@@ -58,7 +58,7 @@ impl ScreenTriangle {
     }
 
     /// Whether any sample of any pixel lies in the triangle's box: most triangles of a fine scan lie between samples.
-    fn may_show(&self, samples: &[Sample]) -> bool {
+    pub(super) fn may_show(&self, samples: &[Sample]) -> bool {
         let reach = [0, 1].map(|axis| {
             let coordinates = self.corners.map(|corner| corner[axis]);
             [

@@ -103,7 +103,7 @@ impl<const N: usize> Band<N> {
 
 /// A line through two corners: positive inside the triangle.
 #[derive(Debug, Clone, Copy)]
-struct Edge {
+pub(super) struct Edge {
     /// Growth per sub-pixel to the right and down.
     dx: i64,
     dy: i64,
@@ -111,15 +111,20 @@ struct Edge {
 }
 
 impl Edge {
-    fn around(triangle: &ScreenTriangle) -> [Self; 3] {
+    pub(super) fn around(triangle: &ScreenTriangle) -> [Self; 3] {
         [0, 1, 2].map(|i| {
             let (from, to) = (triangle.corners[i], triangle.corners[(i + 1) % 3]);
             Self { dx: from[1] - to[1], dy: to[0] - from[0], at: from }
         })
     }
 
-    fn value_at(self, p: [i64; 2]) -> i64 {
+    pub(super) fn value_at(self, p: [i64; 2]) -> i64 {
         self.dx * (p[0] - self.at[0]) + self.dy * (p[1] - self.at[1])
+    }
+
+    /// Growth per sub-pixel across the line.
+    pub(super) fn length(self) -> f64 {
+        (self.dx as f64).hypot(self.dy as f64)
     }
 
     /// The top-left rule: a sample on an edge belongs to the triangle whose left or top edge it is.

@@ -112,7 +112,8 @@ impl<'a> Resolver<'a> {
             (ahead - shares.at(self.ndc(pixel - 0.5 * step))).as_vec3()
         });
         let slope = Vec3::from_array([0, 1, 2].map(|i| Vec2::new(across[i], down[i]).length()));
-        colour.lerp(rgb(self.frame.wire), wire_share(self.frame, b, slope))
+        let share = wire_share(b, slope, self.frame.wire_width_px, self.frame.wire[3]);
+        colour.lerp(rgb(self.frame.wire), share)
     }
 
     fn albedo(
