@@ -3,13 +3,17 @@
 //! The engine keeps every grid in the CRS of its file, so only a few systems need to be known by formula: those that
 //! elevation data of Japan and of world-wide products come in. Conversions stay within a system's own datum.
 
+mod azimuthal;
 mod metric;
 mod table;
 mod transverse_mercator;
+mod warp;
 mod well_known;
 
+pub use azimuthal::AzimuthalPlane;
 pub use metric::metric_crs_at;
 use table::Projection;
+pub use warp::GridWarp;
 pub use well_known::well_known_text;
 use yamanami_core::Crs;
 
