@@ -5,20 +5,12 @@
 //! the largest distance. The rows are cut into bands that are worked on in parallel; sums are added in band order, so
 //! the result does not depend on the number of threads.
 
+use crate::rows::{BAND_ROWS, Chunk, Corner, REACH_CELLS, chunks, double_area, onto_samples, span};
 use rayon::prelude::*;
 use yamanami_core::{HeightField, TriangleMesh};
 
-/// Rows of a band: few enough for the band's distances to stay in cache, enough for triangles to be set up seldom.
-const BAND_ROWS: usize = 32;
-/// Triangles sorted into bands by one task.
-const TRIANGLE_CHUNK: usize = 1 << 16;
-/// Vertices this close to a sample position (relative to the grid's extent) are at it: `column * step / step` is not
-/// always `column`.
-const SNAP_RELATIVE: f64 = 1e-11;
 /// How far outside a triangle, in cells, a sample still counts as touching it.
 const TOUCH_CELLS: f64 = 1e-8;
-/// The same for samples that no triangle touches: single-precision files move the border by about this much.
-const REACH_CELLS: f64 = 1e-3;
 
 /// How far a mesh is from the samples it stands for.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -44,9 +36,6 @@ pub struct VerticalReport {
     pub area_ratio: f64,
 }
 
-/// A triangle corner in grid units: column, row, height in metres.
-type Corner = [f64; 3];
-
 /// Measures the vertical distance of every sample of `field` to `mesh`, which is in the field's local metric frame
 /// ([`yamanami_core::GeoReference::local_from_grid`]).
 ///
@@ -60,17 +49,13 @@ pub fn vertical_error(field: &HeightField, mesh: &TriangleMesh) -> VerticalRepor
     let (width, height) = (field.width(), field.height());
     let corners = grid_corners(field, mesh);
     let bands = height.div_ceil(BAND_ROWS);
-    let chunks: Vec<Chunk> = mesh
-        .triangles
-        .par_chunks(TRIANGLE_CHUNK)
-        .map(|triangles| Chunk::sort(triangles, &corners, bands, height))
-        .collect();
+    let chunks = chunks(&mesh.triangles, &corners, height);
     let measured: Vec<BandSums> = (0..bands)
         .into_par_iter()
         .map_init(Vec::new, |distances, band| {
             let first_row = band * BAND_ROWS;
             let rows = BAND_ROWS.min(height - first_row);
-            let triangles = || chunks.iter().flat_map(move |c| c.band(band));
+            let triangles = || Chunk::band_of(&chunks, band);
             let heights = &field.heights_m()[first_row * width..(first_row + rows) * width];
             distances.clear();
             distances.resize(rows * width, UNTOUCHED);
@@ -111,11 +96,7 @@ pub fn vertical_error(field: &HeightField, mesh: &TriangleMesh) -> VerticalRepor
 
 /// All vertices in grid units, those within rounding of a sample position moved onto it.
 fn grid_corners(field: &HeightField, mesh: &TriangleMesh) -> Vec<Corner> {
-    let snap = SNAP_RELATIVE * field.width().max(field.height()) as f64;
-    let onto = |g: f64| {
-        let nearest = g.round();
-        if (g - nearest).abs() <= snap { nearest } else { g }
-    };
+    let onto = onto_samples(field.width().max(field.height()));
     mesh.positions
         .par_iter()
         .map(|p| {
@@ -123,11 +104,6 @@ fn grid_corners(field: &HeightField, mesh: &TriangleMesh) -> Vec<Corner> {
             [onto(column), onto(row), p.z]
         })
         .collect()
-}
-
-/// Twice the plan area of a triangle in cells; the sign is that of the turn in (column, row), where rows run south.
-fn double_area([a, b, c]: [Corner; 3]) -> f64 {
-    (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1])
 }
 
 /// Plan area of the data in cells: whole ones, and halves where one of the four heights is missing.
@@ -148,60 +124,6 @@ fn data_cells(field: &HeightField) -> f64 {
         })
         .sum();
     halves as f64 / 2.0
-}
-
-/// A run of triangles, sorted by the bands they touch.
-struct Chunk {
-    /// Where each band's triangles start in `triangles`, plus the end.
-    starts: Vec<u32>,
-    triangles: Vec<[u32; 3]>,
-    area_cells: f64,
-}
-
-impl Chunk {
-    fn sort(triangles: &[[u32; 3]], corners: &[Corner], bands: usize, height: usize) -> Self {
-        let mut starts = vec![0u32; bands + 1];
-        let mut area_cells = 0.0;
-        let ranges: Vec<Option<[u32; 2]>> = triangles
-            .iter()
-            .map(|t| {
-                let t = t.map(|i| corners[i as usize]);
-                let area = double_area(t).abs();
-                let finite = t.iter().all(|c| c[2].is_finite()) && area.is_finite();
-                if !finite || area == 0.0 {
-                    return None;
-                }
-                area_cells += area * 0.5;
-                let rows = t.map(|c| c[1]);
-                let first = rows.iter().fold(f64::INFINITY, |a, &b| a.min(b)) - REACH_CELLS;
-                let last = rows.iter().fold(f64::NEG_INFINITY, |a, &b| a.max(b)) + REACH_CELLS;
-                let [first, last] = [first.ceil().max(0.0), last.floor().min((height - 1) as f64)];
-                (first <= last).then(|| [first as usize / BAND_ROWS, last as usize / BAND_ROWS].map(|b| b as u32))
-            })
-            .collect();
-        for &[first, last] in ranges.iter().flatten() {
-            for band in first..=last {
-                starts[band as usize + 1] += 1;
-            }
-        }
-        for band in 0..bands {
-            starts[band + 1] += starts[band];
-        }
-        let mut sorted = vec![[0; 3]; starts[bands] as usize];
-        let mut next = starts.clone();
-        for (t, range) in triangles.iter().zip(&ranges) {
-            let Some([first, last]) = *range else { continue };
-            for band in first..=last {
-                sorted[next[band as usize] as usize] = *t;
-                next[band as usize] += 1;
-            }
-        }
-        Self { starts, triangles: sorted, area_cells }
-    }
-
-    fn band(&self, band: usize) -> &[[u32; 3]] {
-        &self.triangles[self.starts[band] as usize..self.starts[band + 1] as usize]
-    }
 }
 
 /// Distance of a sample that no triangle has touched yet.
@@ -333,28 +255,6 @@ fn samples_of_half_cell(triangle: [Corner; 3]) -> Option<[[usize; 2]; 3]> {
     let close = |k: usize| a[k].abs_diff(b[k]) <= 1 && a[k].abs_diff(c[k]) <= 1 && b[k].abs_diff(c[k]) <= 1;
     let exact = triangle.iter().zip(samples).all(|(c, s)| c[0] == s[0] as f64 && c[1] == s[1] as f64);
     (exact && close(0) && close(1)).then_some(samples)
-}
-
-/// Where the line of constant row `y`, which meets the triangle, enters and leaves it. An edge shared by two triangles
-/// gives both the same value, whichever way round they name it.
-fn span([a, b, c]: [Corner; 3], y: f64) -> [f64; 2] {
-    let (mut west, mut east) = (f64::INFINITY, f64::NEG_INFINITY);
-    let mut meet = |x: f64| (west, east) = (west.min(x), east.max(x));
-    for [p, q] in [[a, b], [b, c], [c, a]] {
-        let [from, to] = if (p[1], p[0]) <= (q[1], q[0]) { [p, q] } else { [q, p] };
-        if y < from[1] || y > to[1] {
-            continue;
-        }
-        if y == from[1] {
-            meet(from[0]);
-        }
-        if y == to[1] {
-            meet(to[0]);
-        } else if y != from[1] {
-            meet(from[0] + (to[0] - from[0]) * ((y - from[1]) / (to[1] - from[1])));
-        }
-    }
-    [west, east]
 }
 
 #[cfg(test)]
