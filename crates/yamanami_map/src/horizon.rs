@@ -95,42 +95,40 @@ impl<'a> Sightline<'a> {
 pub struct HorizonTable {
     /// Rows of the table: azimuths, clockwise from north, the whole circle.
     pub azimuth_count: usize,
-    /// Distances from the centre of the table's columns, metres, growing.
-    pub radii_m: Vec<f64>,
+    /// Metres between the entries of a row, which begin at the centre.
+    pub step_m: f64,
     /// The greatest half tangent of the ground up to each distance, azimuth by azimuth.
     pub half_tangents: Vec<f32>,
 }
 
 impl HorizonTable {
     /// Works the table out to the rim.
-    pub fn new(field: &NestedField, map: &DeformedMap, rim_m: f64, azimuth_count: usize) -> Self {
-        let mut radii_m = vec![map.ring_m];
-        while let Some(&last) = radii_m.last().filter(|&&r| r < rim_m) {
-            // what one azimuth stands apart from the next is as fine as needed
-            let apart_m = last * std::f64::consts::TAU / azimuth_count as f64;
-            let spacing_m = field.level_at(map.centre + DVec2::X * last).spacing_m();
-            radii_m.push(last + STRIDE * spacing_m.max(apart_m));
-        }
-        let columns = radii_m.len();
+    pub fn new(field: &NestedField, map: &DeformedMap, rim_m: f64, azimuth_count: usize, step_m: f64) -> Self {
+        let columns = (rim_m / step_m).ceil() as usize + 1;
         let mut half_tangents = vec![0f32; azimuth_count * columns];
         half_tangents.par_chunks_mut(columns).enumerate().for_each(|(row, out)| {
             let (sin, cos) = (row as f64 * std::f64::consts::TAU / azimuth_count as f64).sin_cos();
             let towards = DVec2::new(sin, cos);
-            let mut greatest = 0f64;
-            for (&r_m, out) in radii_m.iter().zip(out) {
-                greatest = greatest.max(map.half_tangent(r_m, field.height_m(map.centre + r_m * towards)));
+            let (mut greatest, mut at_m) = (0f64, map.ring_m);
+            for (column, out) in out.iter_mut().enumerate() {
+                while at_m <= column as f64 * step_m {
+                    let place = map.centre + at_m * towards;
+                    let level = field.level_at(place);
+                    greatest = greatest.max(map.half_tangent(at_m, level.height_m(place)));
+                    at_m += STRIDE * level.spacing_m();
+                }
                 *out = greatest as f32;
             }
         });
-        Self { azimuth_count, radii_m, half_tangents }
+        Self { azimuth_count, step_m, half_tangents }
     }
 
     /// The greatest half tangent of ground nearer than a distance, along the nearest azimuth of the table.
     pub fn before(&self, out: DVec2, r_m: f64) -> f64 {
         let turn = out.x.atan2(out.y) / std::f64::consts::TAU;
         let row = (turn.rem_euclid(1.0) * self.azimuth_count as f64).round() as usize % self.azimuth_count;
-        let nearer = self.radii_m.partition_point(|&r| r < r_m);
-        if nearer == 0 { 0.0 } else { f64::from(self.half_tangents[row * self.radii_m.len() + nearer - 1]) }
+        let columns = self.half_tangents.len() / self.azimuth_count;
+        f64::from(self.half_tangents[row * columns + ((r_m / self.step_m) as usize).min(columns - 1)])
     }
 
     /// Whether a point that rises `slack_m` above itself would be seen: for lines that lie on the ground.
@@ -170,7 +168,7 @@ mod tests {
             let sight = Sightline::new(&field, map, SeenFrom::Picture);
             assert_eq!(sight.sees(hill), is_seen, "wall of {wall_m} m");
             assert!(sight.sees(other), "the west has no wall");
-            let table = HorizonTable::new(&field, &map, 70_000.0, 720);
+            let table = HorizonTable::new(&field, &map, 70_000.0, 720, 250.0);
             assert_eq!(table.sees(&map, hill, 0.0), is_seen);
             assert!(table.sees(&map, other, 0.0));
             assert!(!table.sees(&map, DVec3::new(33_000.0, 0.0, 0.0), 5.0), "the foot behind the wall");
