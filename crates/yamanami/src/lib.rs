@@ -15,6 +15,7 @@ mod bench;
 mod camera;
 mod canvas;
 mod data;
+mod deformed;
 mod error;
 mod extract;
 mod field;
@@ -53,6 +54,7 @@ pub use bench::{measure_rate, triangles_at_rate};
 pub use camera::{overview, view_between};
 pub use canvas::{Canvas, DrawWith, Upload};
 pub use data::Data;
+pub use deformed::{BaseOptions, DeformedScene, MapUpdate, draw_base, rank_by_prominence};
 pub use error::Error;
 pub use extract::{Extracted, Frame, extract, to_frame};
 pub use flight::{FlightMode, FlightOptions, FrameStats, Lod, fly};
@@ -92,7 +94,7 @@ pub use yamanami_core as core;
 pub use yamanami_gpu as gpu;
 pub use yamanami_io as io;
 pub use yamanami_lod::{
-    Controller, Criteria, FrameReport, Front, LimitedBy, PaperController, Staircase, Step, ViewCriterion,
+    Controller, Criteria, FrameReport, Front, LimitedBy, MapCriterion, PaperController, Staircase, Step, ViewCriterion,
 };
 pub use yamanami_map as map;
 pub use yamanami_measure as measure;
