@@ -38,8 +38,8 @@ struct Ground {
 
 // tan(φ/2) of a point at distance d > 0 and depth below the eye.
 fn half_tangent(d: f32, r: f32, height: f32) -> f32 {
-    let from = select(d, r, frame.eye.w != 0.0);
-    let depth = frame.eye.x - frame.eye.y * (height - frame.eye.z * from * from);
+    let away = select(d, r, frame.eye.w != 0.0);
+    let depth = frame.eye.x - frame.eye.y * (height - frame.eye.z * away * away);
     let slant = length(vec2(d, depth));
     return select((slant - depth) / d, d / (slant + depth), depth >= 0.0);
 }
