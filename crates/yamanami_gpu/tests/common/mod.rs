@@ -2,6 +2,8 @@
 #![allow(dead_code, unreachable_pub)]
 
 pub mod maps;
+#[cfg(feature = "wgpu")]
+pub mod target;
 
 use glam::DVec3;
 use std::collections::BTreeSet;
