@@ -32,7 +32,7 @@ pub struct MapTextures {
 impl MapTextures {
     /// Takes at most [`MAX_TEXTURES`] pictures in any order.
     pub fn new(mut levels: Vec<MapTexture>) -> Result<Self, GpuError> {
-        let bytes = |side_px: u32| u64::from(side_px).pow(2) * 4;
+        let bytes = |side_px: u32| u64::from(side_px).pow(2).saturating_mul(4);
         for level in &levels {
             let is_odd = level.side_px >= 3 && level.side_px % 2 == 1;
             let has_reach = level.reach_m.is_finite() && level.reach_m > 0.0;
@@ -85,13 +85,27 @@ impl MapTexture {
         let (across, down) = (x - column as f32, y - row as f32);
         let upper = (row * side + column) * 4;
         let lower = upper + side * 4;
-        let texel = |at: usize| {
-            let [r, g, b, a] = [0, 1, 2, 3].map(|c| f32::from(self.rgba[at + c]));
-            let alpha = a * (1.0 / 255.0);
-            Vec4::new(r * alpha, g * alpha, b * alpha, a)
+        let pair = |at: usize| {
+            let texels = self.rgba[at..at + 8].as_chunks::<4>().0;
+            let [left, right] = [texels[0], texels[1]].map(texel);
+            left + (right - left) * across
         };
-        let top = texel(upper).lerp(texel(upper + 4), across);
-        top.lerp(texel(lower).lerp(texel(lower + 4), across), down) * (1.0 / 255.0)
+        let (top, bottom) = (pair(upper), pair(lower));
+        (top + (bottom - top) * down) * (1.0 / 255.0)
+    }
+}
+
+/// Colour times alpha, and alpha, 0 to 255.
+#[inline]
+fn texel([r, g, b, a]: [u8; 4]) -> Vec4 {
+    let colour = Vec4::new(f32::from(r), f32::from(g), f32::from(b), f32::from(a));
+    if a == 255 {
+        colour
+    } else {
+        {
+            let share = f32::from(a) * (1.0 / 255.0);
+            colour * Vec4::new(share, share, share, 1.0)
+        }
     }
 }
 

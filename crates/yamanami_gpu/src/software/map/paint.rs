@@ -166,6 +166,6 @@ fn straight(colour: Vec4) -> [u8; 4] {
     if colour.w <= 0.0 {
         return [0; 4];
     }
-    let [r, g, b, a] = (colour / Vec4::new(colour.w, colour.w, colour.w, 1.0)).to_array();
-    [r, g, b, a].map(|v| (v * 255.0 + 0.5) as u8)
+    let per_alpha = 1.0 / colour.w;
+    (colour * Vec4::new(per_alpha, per_alpha, per_alpha, 1.0) * 255.0 + 0.5).to_array().map(|v| v as u8)
 }
