@@ -15,6 +15,7 @@ mod error;
 pub mod kdisk;
 pub mod progressive;
 pub mod remesh;
+pub mod rtin;
 pub mod semi_regular;
 pub mod tin;
 pub mod tin_block;
