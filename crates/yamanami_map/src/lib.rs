@@ -5,6 +5,18 @@
 //! triangle.
 #![forbid(unsafe_code)]
 
+mod boxes;
 mod error;
+mod fonts;
+mod furniture;
+mod labels;
+mod lines;
+mod scene;
+mod sheet;
 
+pub use boxes::OrientedBox;
 pub use error::MapError;
+pub use fonts::Fonts;
+pub use labels::{Label, MissingGlyphs, Outcome};
+pub use scene::{Anchor, Colour, Fill, Outline, PackedBase, Run, Scene, Shape, Stroke, Text, encode_png};
+pub use sheet::{BearingRing, Composed, HiddenNames, Language, NameForm, Sheet, SheetOptions};
