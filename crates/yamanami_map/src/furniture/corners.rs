@@ -15,7 +15,7 @@ const SIZES: [f64; 9] = [1.3, 1.15, 1.0, 0.92, 0.84, 0.76, 0.68, 0.6, 0.52];
 /// Size of credits, points.
 const CREDIT_PT: f64 = 5.4;
 /// Widest line of credits, points.
-const CREDITS_PT: f64 = 150.0;
+const CREDITS_PT: f64 = 190.0;
 
 /// Steps of the bar of heights.
 const BAR_STEPS: u32 = 48;

@@ -56,18 +56,20 @@ pub(super) fn place(style: &Style<'_>, sheet: &Sheet<'_>, far: &[Candidate], tak
     for (i, candidate) in candidates.iter().enumerate() {
         let wanted = (azimuths[i] - cut).rem_euclid(TAU);
         let at = seats.partition_point(|s| s.wanted < wanted);
-        let rings = frame.inner_px.len();
-        for (form, ring) in (0..candidate.lettering.forms()).flat_map(|form| (0..rings).map(move |ring| (form, ring))) {
+        // of the rings that have room, the one that pushes names least: crowds spread over the rings of themselves
+        let found = (0..candidate.lettering.forms()).find_map(|form| {
             let length = candidate.lettering.width_px(form);
-            if length > frame.depth_px(ring) {
-                continue;
-            }
-            let mut trial = seats.clone();
-            trial.insert(at, Seat { candidate: i, ring, form, wanted, given: wanted });
-            if frame.settle(&mut trial) && frame.is_free(&candidates, &trial, cut, taken) {
-                seats = trial;
-                break;
-            }
+            let rings = (0..frame.inner_px.len()).filter(|&ring| length <= frame.depth_px(ring));
+            let trials = rings.filter_map(|ring| {
+                let mut trial = seats.clone();
+                trial.insert(at, Seat { candidate: i, ring, form, wanted, given: wanted });
+                let is_settled = frame.settle(&mut trial) && frame.is_free(&candidates, &trial, cut, taken);
+                is_settled.then_some(trial)
+            });
+            trials.min_by(|a, b| pushed(a).total_cmp(&pushed(b)))
+        });
+        if let Some(trial) = found {
+            seats = trial;
         }
     }
     let placed: Vec<Placed> =
@@ -79,6 +81,11 @@ pub(super) fn place(style: &Style<'_>, sheet: &Sheet<'_>, far: &[Candidate], tak
         }
     }
     placed
+}
+
+/// How far names are pushed from their summits' azimuths, all together.
+fn pushed(seats: &[Seat]) -> f64 {
+    seats.iter().map(|seat| (seat.given - seat.wanted).powi(2)).sum()
 }
 
 /// The azimuth in the middle of the widest gap.
@@ -186,8 +193,7 @@ impl Frame {
         let (summit, name) = (cut + seat.wanted, cut + seat.given);
         let (angle_rad, anchor) = turned(name);
         let start_px = self.inner_px[seat.ring];
-        let mut text = style.centred(self.at(name, start_px), angle_rad, anchor, runs);
-        text.halo = None;
+        let text = style.centred(self.at(name, start_px), angle_rad, anchor, runs);
         let before = style.pt(1.6);
         let mut leader = vec![candidate.px, self.at(summit, self.elbow_px), self.at(name, self.inner_px[0] - before)];
         if seat.ring > 0 {
