@@ -98,6 +98,8 @@ mod tests {
         let diamond = OrientedBox { centre: DVec2::new(11.2, 3.2), half: DVec2::ONE, angle_rad: 0.785 };
         assert!(!flat.overlaps(&diamond));
         let inside = Taken::of_picture([20, 20], 1.0);
-        assert!(inside.is_free(&turned(10.0)) && !inside.is_free(&turned(19.0)));
+        assert!(
+            inside.is_free(&OrientedBox { centre: DVec2::splat(9.0), ..turned(0.0) }) && !inside.is_free(&turned(9.0))
+        );
     }
 }

@@ -1,39 +1,25 @@
 //! The letters of a map: the fonts that ship with the project, one of the user's before them, what they lack, how wide
 //! a text is.
 //!
-//! M PLUS 1p (The M+ Project Authors, 2016, SIL Open Font License 1.1) in two weights; `fonts/OFL.txt` is its licence.
+//! Zen Kaku Gothic New, Medium (The Zen Kaku Gothic Project Authors, 2022): open forms that stay legible when small, and
+//! every kanji of the Japanese standard (JIS X 0208). M PLUS 1p, Medium (The M+ Project Authors, 2016) for the rest of
+//! Latin, Greek and Cyrillic. Both under the SIL Open Font License 1.1, see `fonts/`. Names and small type are told
+//! apart by size and colour, so one weight is enough.
 
 use crate::MapError;
 use resvg::usvg::fontdb;
 use std::sync::Arc;
 
-const REGULAR: &[u8] = include_bytes!("../fonts/MPLUS1p-Regular.ttf");
-const MEDIUM: &[u8] = include_bytes!("../fonts/MPLUS1p-Medium.ttf");
-
-/// How heavy letters are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Weight {
-    /// Book weight, for small type.
-    #[default]
-    Regular,
-    /// A little heavier, for names and titles.
-    Medium,
-}
-
-impl Weight {
-    /// As CSS and fonts count it.
-    pub fn number(self) -> u16 {
-        match self {
-            Self::Regular => 400,
-            Self::Medium => 500,
-        }
-    }
-}
+/// First choice first.
+const SHIPPED: [&[u8]; 2] = [
+    include_bytes!("../fonts/ZenKakuGothicNew-Medium.ttf"),
+    include_bytes!("../fonts/MPLUS1p-Medium.ttf"),
+];
 
 /// The fonts a map is lettered with.
 #[derive(Debug, Clone)]
 pub struct Fonts {
-    /// The user's, if any: the one font for every weight.
+    /// The user's, if any.
     own: Option<Arc<Vec<u8>>>,
     families: Vec<String>,
     database: Arc<fontdb::Database>,
@@ -43,8 +29,7 @@ impl Default for Fonts {
     /// Those that ship with the project.
     fn default() -> Self {
         let mut database = fontdb::Database::new();
-        database.load_font_data(REGULAR.to_vec());
-        database.load_font_data(MEDIUM.to_vec());
+        SHIPPED.iter().for_each(|font| database.load_font_data(font.to_vec()));
         Self { own: None, families: families(&database), database: Arc::new(database) }
     }
 }
@@ -60,8 +45,7 @@ impl Fonts {
         if database.is_empty() {
             return Err(fault("no face with a name in it"));
         }
-        database.load_font_data(REGULAR.to_vec());
-        database.load_font_data(MEDIUM.to_vec());
+        SHIPPED.iter().for_each(|font| database.load_font_data(font.to_vec()));
         Ok(Self { own: Some(own), families: families(&database), database: Arc::new(database) })
     }
 
@@ -75,15 +59,20 @@ impl Fonts {
         self.database.clone()
     }
 
-    /// Width of a text in one line, in units of its size.
-    pub fn width_em(&self, text: &str, weight: Weight) -> f64 {
-        let faces = self.faces(weight);
-        text.chars().map(|c| faces.iter().find_map(|face| advance_em(face, c)).unwrap_or(1.0)).sum()
+    /// Widths of texts set one after the other in one line, each in units of its own size.
+    pub(crate) fn widths_em<'t>(&self, texts: impl Iterator<Item = &'t str> + Clone) -> Vec<f64> {
+        let faces = self.faces();
+        let has = |face: &ttf_parser::Face<'_>, text: &str| text.chars().all(|c| face.glyph_index(c).is_some());
+        // a font that has all of a line sets all of it; only where none does are several mixed
+        let whole = faces.iter().position(|face| texts.clone().all(|text| has(face, text)));
+        let used = whole.map_or(&faces[..], |i| &faces[i..=i]);
+        let width_em = |c| used.iter().find_map(|face| advance_em(face, c)).unwrap_or(1.0);
+        texts.map(|text| text.chars().map(width_em).sum()).collect()
     }
 
     /// Characters of a text that no font has, each once.
     pub fn missing(&self, text: &str) -> Vec<char> {
-        let faces = self.faces(Weight::Regular);
+        let faces = self.faces();
         let mut missing: Vec<char> = text
             .chars()
             .filter(|&c| !c.is_control() && !faces.iter().any(|face| face.glyph_index(c).is_some()))
@@ -93,13 +82,9 @@ impl Fonts {
         missing
     }
 
-    fn faces(&self, weight: Weight) -> Vec<ttf_parser::Face<'_>> {
-        let shipped = match weight {
-            Weight::Regular => REGULAR,
-            Weight::Medium => MEDIUM,
-        };
+    fn faces(&self) -> Vec<ttf_parser::Face<'_>> {
         let own = self.own.iter().map(|data| data.as_slice());
-        own.chain([shipped]).filter_map(|data| ttf_parser::Face::parse(data, 0).ok()).collect()
+        own.chain(SHIPPED).filter_map(|data| ttf_parser::Face::parse(data, 0).ok()).collect()
     }
 }
 
@@ -126,17 +111,21 @@ mod tests {
     #[test]
     fn the_shipped_fonts_have_the_letters_of_japanese_maps() {
         let fonts = Fonts::default();
-        assert_eq!(fonts.families(), "'M PLUS 1p', sans-serif");
-        assert!(fonts.missing("槍ヶ岳 穂高岳 甲斐駒ヶ岳 ニセコアンヌプリ 3776 m · 10 km ° ′ α × Ōyama").is_empty());
+        assert_eq!(fonts.families(), "'Zen Kaku Gothic New', 'M PLUS 1p', sans-serif");
+        assert_eq!(
+            fonts.missing("槍ヶ岳 穂高岳 笊ヶ岳 将棊頭山 ニセコアンヌプリ 3776 m · 10 km 30° 21′ 38″ α ×1.5 Ōyama é ü"),
+            []
+        );
         assert_eq!(fonts.missing("山\u{1F5FB}山\u{1F5FB}"), ['\u{1F5FB}']);
-        assert_eq!(fonts.width_em("富士山", Weight::Medium), 3.0);
-        assert!((0.3..0.8).contains(&fonts.width_em("n", Weight::Regular)));
+        assert_eq!(fonts.widths_em(["富士山", "岳"].into_iter()), [3.0, 1.0]);
+        let [plain, mixed] = ["n", "nō"].map(|text| fonts.widths_em(["n", text].into_iter())[0]);
+        assert!((0.3..0.8).contains(&plain) && mixed != plain, "one font for all of a line");
     }
 
     #[test]
     fn a_font_of_the_users_comes_first_and_nonsense_is_refused() {
         assert!(Fonts::with(vec![0; 100]).is_err());
-        let fonts = Fonts::with(REGULAR.to_vec()).unwrap();
-        assert_eq!(fonts.width_em("山", Weight::Medium), 1.0);
+        let fonts = Fonts::with(SHIPPED[0].to_vec()).unwrap();
+        assert_eq!(fonts.widths_em(["山"].into_iter()), [1.0]);
     }
 }

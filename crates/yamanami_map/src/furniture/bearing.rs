@@ -1,6 +1,5 @@
 //! A ring of bearings: ticks, numbers every 30°, the four winds.
 
-use crate::Weight;
 use crate::boxes::{OrientedBox, Taken};
 use crate::scene::{Anchor, Fill, Outline, Scene, Shape, Stroke};
 use crate::sheet::{BearingRing, HALO, INK, RUST, SOFT_INK, Sheet, Style};
@@ -40,8 +39,8 @@ pub(super) fn draw(scene: &mut Scene, style: &Style<'_>, sheet: &Sheet<'_>, radi
     for number in (0..360).step_by(30) {
         let cardinal = (number % 90 == 0).then(|| style.strings().cardinals[number / 90]);
         let run = match cardinal {
-            Some(letter) => style.run(letter, 8.6, Weight::Medium, if number == 0 { RUST } else { INK }),
-            None => style.run(format!("{number}°"), 5.6, Weight::Regular, SOFT_INK),
+            Some(letter) => style.run(letter, 9.4, if number == 0 { RUST } else { INK }),
+            None => style.run(format!("{number}°"), 6.2, SOFT_INK),
         };
         let along = out(number as f64);
         let at = centre + along * (radius_px + way * style.pt(if is_outside { 9.6 } else { 8.0 }));

@@ -1,6 +1,5 @@
 //! Circles of equal distance at sea level, and the edge of the plain map.
 
-use crate::Weight;
 use crate::boxes::{OrientedBox, Taken};
 use crate::scene::{Anchor, Scene, Stroke};
 use crate::sheet::{HALO, INK, Sheet, Style, short};
@@ -38,7 +37,7 @@ pub(super) fn draw(scene: &mut Scene, style: &Style<'_>, sheet: &Sheet<'_>, take
 }
 
 fn label(scene: &mut Scene, style: &Style<'_>, sheet: &Sheet<'_>, km: f64, radius_px: f64, taken: &mut Taken) {
-    let run = style.run(format!("{km} km"), 5.8, Weight::Regular, INK);
+    let run = style.run(format!("{km} km"), 5.8, INK);
     let half = 0.5 * DVec2::new(style.width_px(std::slice::from_ref(&run)), run.size_px);
     for degrees in LABELS_AT_DEG {
         let along = DVec2::from_angle((degrees - 90.0_f64).to_radians());

@@ -1,7 +1,7 @@
 //! What a name says: in which letters, with which numbers, and what the fonts lack.
 
 use super::{Label, romaji};
-use crate::Weight;
+use crate::Fonts;
 use crate::scene::Run;
 use crate::sheet::{GREY, INK, NameForm, SOFT_INK, SheetOptions, Style};
 use yamanami_core::{NamedPlace, PlaceKind};
@@ -17,15 +17,37 @@ pub struct MissingGlyphs {
     pub written: Option<String>,
 }
 
-/// What a name says, as letters of its sizes.
+/// What a name says, as letters of its sizes; from all there is to say to the name alone.
 #[derive(Debug, Clone)]
 pub(crate) struct Lettering {
-    /// The name.
-    pub(crate) name: Vec<Run>,
-    /// Reading, height and distance, small; may be left out.
-    pub(crate) detail: Vec<Run>,
-    /// Widths of the name alone and of both, pixels.
-    widths_px: [f64; 2],
+    forms: Vec<Vec<Run>>,
+    widths_px: Vec<f64>,
+}
+
+impl MissingGlyphs {
+    /// What of texts that stand as they are no font has.
+    pub(crate) fn of_text(fonts: &Fonts, text: &str) -> Option<Self> {
+        let characters = fonts.missing(text);
+        (!characters.is_empty()).then(|| Self { name: text.to_owned(), characters, written: None })
+    }
+
+    /// One line to say; none where nothing is missing.
+    pub fn summary(all: &[Self]) -> Option<String> {
+        let mut characters: Vec<char> = all.iter().flat_map(|m| m.characters.iter().copied()).collect();
+        characters.sort_unstable();
+        characters.dedup();
+        let listed: Vec<String> =
+            characters.iter().take(10).map(|&c| format!("{c} (U+{:04X})", u32::from(c))).collect();
+        let more = if characters.len() > listed.len() { ", …" } else { "" };
+        let replaced = all.iter().filter(|m| m.written.is_some()).count();
+        (!all.is_empty()).then(|| {
+            format!(
+                "fonts lack {}{more} in {} texts, {replaced} of them written by their reading instead",
+                listed.join(", "),
+                all.len()
+            )
+        })
+    }
 }
 
 impl Lettering {
@@ -37,47 +59,62 @@ impl Lettering {
         is_near: bool,
         is_hidden: bool,
     ) -> (Self, Option<MissingGlyphs>) {
-        let (name, lack) = written_name(style, options.names, place);
+        let (written, lack) = written_name(style, options.names, place);
+        let (name, part) = parted(&written);
         let is_summit = place.kind == PlaceKind::Summit;
-        let colour = if is_hidden { GREY } else { INK };
-        let small = if is_hidden { GREY } else { SOFT_INK };
-        let size = if is_summit { 8.8 } else { 7.6 };
-        let mut detail = String::new();
+        let mut more = part.map(|part| format!(" {part}")).unwrap_or_default();
         if options.names == NameForm::Both
             && let Some(reading) = latin(place).or_else(|| place.reading.clone())
-            && reading != name
+            && reading != written
             && style.fonts.missing(&reading).is_empty()
         {
-            detail += &format!(" {reading}");
+            more += &format!(" {}", parted(&reading).0);
         }
+        let mut numbers = String::new();
         if options.has_numbers && (is_summit || place.kind == PlaceKind::Pass) && place.height_m.is_some() {
-            detail += &format!(" {:.0}", label.at.z);
-            if !is_near {
-                detail += " m";
-            }
+            numbers += &format!(" {:.0}{}", label.at.z, if is_near { "" } else { " m" });
         }
         if options.has_numbers && !is_near {
-            detail += &format!(" · {:.0} km", label.distance_m / 1000.0);
+            numbers += &format!(" · {:.0} km", label.distance_m / 1000.0);
         }
-        let runs = |text: String, points, weight, colour| match text.is_empty() {
-            true => Vec::new(),
-            false => vec![style.run(text, points, weight, colour)],
+        let (colour, small) = if is_hidden { (GREY, GREY) } else { (INK, SOFT_INK) };
+        let name = style.run(name, if is_summit { 8.8 } else { 7.6 }, colour);
+        let mut details = vec![format!("{more}{numbers}"), numbers, String::new()];
+        details.dedup();
+        let with = |detail: String| {
+            let detail = (!detail.is_empty()).then(|| style.run(detail, 6.0, small));
+            [name.clone()].into_iter().chain(detail).collect()
         };
-        let (name, detail) = (runs(name, size, Weight::Medium, colour), runs(detail, 6.3, Weight::Regular, small));
-        let name_px = style.width_px(&name);
-        let widths_px = [name_px, name_px + style.width_px(&detail)];
-        (Self { name, detail, widths_px }, lack)
+        let forms: Vec<Vec<Run>> = details.into_iter().map(with).collect();
+        let widths_px = forms.iter().map(|runs| style.width_px(runs)).collect();
+        (Self { forms, widths_px }, lack)
     }
 
-    /// Width of both, or of the name alone, pixels.
-    pub(super) fn width_px(&self, has_detail: bool) -> f64 {
-        self.widths_px[usize::from(has_detail)]
+    /// How many forms there are, the longest first.
+    pub(super) fn forms(&self) -> usize {
+        self.forms.len()
     }
 
-    /// Both, or the name alone.
-    pub(super) fn runs(&self, has_detail: bool) -> Vec<Run> {
-        let detail: &[Run] = if has_detail { &self.detail } else { &[] };
-        self.name.iter().chain(detail).cloned().collect()
+    /// Width of a form, pixels.
+    pub(super) fn width_px(&self, form: usize) -> f64 {
+        self.widths_px[form]
+    }
+
+    /// The letters of a form.
+    pub(super) fn runs(&self, form: usize) -> &[Run] {
+        &self.forms[form]
+    }
+}
+
+/// A mountain and, in brackets after it, which of its summits.
+fn parted(name: &str) -> (&str, Option<&str>) {
+    let is_opening = |c| matches!(c, '<' | '(' | '（' | '〈' | '＜');
+    match name.char_indices().find(|&(at, c)| at > 0 && is_opening(c)) {
+        Some((at, c)) => {
+            let part = name[at + c.len_utf8()..].trim_end_matches(['>', ')', '）', '〉', '＞']);
+            (name[..at].trim_end(), (!part.is_empty()).then_some(part))
+        }
+        None => (name, None),
     }
 }
 

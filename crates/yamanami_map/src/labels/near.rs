@@ -34,7 +34,7 @@ pub(super) fn place(style: &Style<'_>, candidates: &[Candidate], taken: &mut Tak
         if !taken.is_free(&mark) {
             continue;
         }
-        let found = [true, false].into_iter().find_map(|has_detail| beside(style, candidate, has_detail, taken));
+        let found = (0..candidate.lettering.forms()).find_map(|form| beside(style, candidate, form, taken));
         if let Some(placed) = found {
             taken.take(mark);
             taken.take(placed.outline.grown(style.pt(1.5)));
@@ -44,10 +44,10 @@ pub(super) fn place(style: &Style<'_>, candidates: &[Candidate], taken: &mut Tak
     shown
 }
 
-fn beside(style: &Style<'_>, candidate: &Candidate, has_detail: bool, taken: &Taken) -> Option<Placed> {
-    let runs = candidate.lettering.runs(has_detail);
+fn beside(style: &Style<'_>, candidate: &Candidate, form: usize, taken: &Taken) -> Option<Placed> {
+    let runs = candidate.lettering.runs(form);
     let tallest = runs.first()?.size_px;
-    let size = DVec2::new(candidate.lettering.width_px(has_detail), 1.08 * tallest);
+    let size = DVec2::new(candidate.lettering.width_px(form), 1.08 * tallest);
     PLACES.iter().find_map(|&(side, down)| {
         let off = DVec2::new(side, down) * (style.pt(MARK_PT + 1.6));
         let middle = candidate.px + off + DVec2::new(side, if side == 0.0 { down } else { 0.35 * down }) * 0.5 * size;
@@ -55,7 +55,7 @@ fn beside(style: &Style<'_>, candidate: &Candidate, has_detail: bool, taken: &Ta
         if !taken.is_free(&outline) {
             return None;
         }
-        let mut text = style.centred(middle, 0.0, Anchor::Middle, runs.clone());
+        let mut text = style.centred(middle, 0.0, Anchor::Middle, runs.to_vec());
         text.halo = Some(style.halo());
         Some(Placed { place: candidate.place, is_hidden: candidate.is_hidden, outline, leader: Vec::new(), text })
     })

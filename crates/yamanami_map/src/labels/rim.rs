@@ -38,7 +38,7 @@ struct Frame {
 struct Seat {
     candidate: usize,
     ring: usize,
-    has_detail: bool,
+    form: usize,
     /// Azimuth of the summit from where the circle was cut, radians clockwise.
     wanted: f64,
     /// That of the name.
@@ -56,18 +56,20 @@ pub(super) fn place(style: &Style<'_>, sheet: &Sheet<'_>, far: &[Candidate], tak
     for (i, candidate) in candidates.iter().enumerate() {
         let wanted = (azimuths[i] - cut).rem_euclid(TAU);
         let at = seats.partition_point(|s| s.wanted < wanted);
-        let tries = [true, false].into_iter().flat_map(|d| (0..frame.inner_px.len()).map(move |ring| (ring, d)));
-        for (ring, has_detail) in tries {
-            let length = candidate.lettering.width_px(has_detail);
-            if length > frame.depth_px(ring) {
-                continue;
-            }
-            let mut trial = seats.clone();
-            trial.insert(at, Seat { candidate: i, ring, has_detail, wanted, given: wanted });
-            if frame.settle(&mut trial) && frame.is_free(&candidates, &trial, cut, taken) {
-                seats = trial;
-                break;
-            }
+        // of the rings that have room, the one that pushes names least: crowds spread over the rings of themselves
+        let found = (0..candidate.lettering.forms()).find_map(|form| {
+            let length = candidate.lettering.width_px(form);
+            let rings = (0..frame.inner_px.len()).filter(|&ring| length <= frame.depth_px(ring));
+            let trials = rings.filter_map(|ring| {
+                let mut trial = seats.clone();
+                trial.insert(at, Seat { candidate: i, ring, form, wanted, given: wanted });
+                let is_settled = frame.settle(&mut trial) && frame.is_free(&candidates, &trial, cut, taken);
+                is_settled.then_some(trial)
+            });
+            trials.min_by(|a, b| pushed(a).total_cmp(&pushed(b)))
+        });
+        if let Some(trial) = found {
+            seats = trial;
         }
     }
     let placed: Vec<Placed> =
@@ -79,6 +81,11 @@ pub(super) fn place(style: &Style<'_>, sheet: &Sheet<'_>, far: &[Candidate], tak
         }
     }
     placed
+}
+
+/// How far names are pushed from their summits' azimuths, all together.
+fn pushed(seats: &[Seat]) -> f64 {
+    seats.iter().map(|seat| (seat.given - seat.wanted).powi(2)).sum()
 }
 
 /// The azimuth in the middle of the widest gap.
@@ -166,7 +173,7 @@ impl Frame {
 
     fn is_free(&self, candidates: &[&Candidate], seats: &[Seat], cut: f64, taken: &Taken) -> bool {
         seats.iter().all(|seat| {
-            let length = candidates[seat.candidate].lettering.width_px(seat.has_detail);
+            let length = candidates[seat.candidate].lettering.width_px(seat.form);
             taken.is_free(&self.outline(seat, cut, length))
         })
     }
@@ -181,13 +188,12 @@ impl Frame {
     }
 
     fn placed(&self, style: &Style<'_>, candidate: &Candidate, seat: &Seat, cut: f64) -> Placed {
-        let runs = candidate.lettering.runs(seat.has_detail);
-        let outline = self.outline(seat, cut, candidate.lettering.width_px(seat.has_detail));
+        let runs = candidate.lettering.runs(seat.form).to_vec();
+        let outline = self.outline(seat, cut, candidate.lettering.width_px(seat.form));
         let (summit, name) = (cut + seat.wanted, cut + seat.given);
         let (angle_rad, anchor) = turned(name);
         let start_px = self.inner_px[seat.ring];
-        let mut text = style.centred(self.at(name, start_px), angle_rad, anchor, runs);
-        text.halo = None;
+        let text = style.centred(self.at(name, start_px), angle_rad, anchor, runs);
         let before = style.pt(1.6);
         let mut leader = vec![candidate.px, self.at(summit, self.elbow_px), self.at(name, self.inner_px[0] - before)];
         if seat.ring > 0 {

@@ -135,7 +135,7 @@ impl Drape<'_> {
     }
 
     fn between(&self, a: &Sample, b: &Sample, halvings: u32, out: &mut Vec<Option<Sample>>) {
-        let is_long = !((b.px - a.px).length() <= STEP_PX);
+        let is_long = (b.px - a.px).length() > STEP_PX;
         if !is_long || halvings == 0 || !self.may_reach(a.plane, b.plane) {
             return;
         }

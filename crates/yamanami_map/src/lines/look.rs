@@ -15,12 +15,6 @@ pub(super) struct Layer {
     pub(super) dash_pt: Option<[f64; 2]>,
 }
 
-/// The strokes of a kind, lowest first.
-#[derive(Debug)]
-pub(super) struct Look {
-    pub(super) layers: &'static [Layer],
-}
-
 const fn full(colour: Colour, width_pt: f64, opacity: f64) -> Layer {
     Layer { colour, width_pt, opacity, dash_pt: None }
 }
@@ -38,9 +32,9 @@ static TRACKS: [Layer; 2] = [full(HALO, 3.2, 0.9), full(TRACK, 1.7, 1.0)];
 static BORDER: [Layer; 1] = [dashed(SOFT_INK, 0.5, [3.5, 1.6])];
 static OTHER: [Layer; 1] = [full(SOFT_INK, 0.6, 0.9)];
 
-/// How a kind is drawn.
-pub(super) fn look_of(kind: LineKind) -> Look {
-    let layers: &'static [Layer] = match kind {
+/// The strokes of a kind, lowest first.
+pub(super) fn look_of(kind: LineKind) -> &'static [Layer] {
+    match kind {
         LineKind::Coast => &COAST,
         LineKind::River => &RIVER,
         LineKind::Lake => &LAKE,
@@ -49,6 +43,5 @@ pub(super) fn look_of(kind: LineKind) -> Look {
         LineKind::Track => &TRACKS,
         LineKind::Border => &BORDER,
         _ => &OTHER,
-    };
-    Look { layers }
+    }
 }

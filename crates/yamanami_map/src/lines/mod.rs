@@ -7,7 +7,7 @@ use crate::scene::{Fill, Outline, Scene, Stroke};
 use crate::sheet::{LAKE, Sheet, Style};
 use drape::Drape;
 use glam::{DVec2, DVec3};
-use look::{Look, look_of};
+use look::look_of;
 use yamanami_core::LineKind;
 
 /// Widths of lines from the plain map outwards, as shares, and up to how many ring radii each holds.
@@ -51,8 +51,7 @@ pub(crate) fn draw(
         }
         kinds.push(kind);
         scene.fill(areas, Fill { colour: LAKE, opacity: 0.9 });
-        let look = look_of(kind);
-        for layer in look.layers {
+        for layer in look_of(kind) {
             // far ones first: near lines lie over them
             for (class, outlines) in by_width.iter().enumerate().rev() {
                 scene.stroke(outlines.clone(), layer_stroke(layer, style, FADING[class].1));
@@ -71,10 +70,16 @@ fn layer_stroke(layer: &look::Layer, style: &Style<'_>, share: f64) -> Stroke {
     }
 }
 
-/// Draws a straight sample of a kind, for the legend.
-pub(crate) fn draw_sample(scene: &mut Scene, style: &Style<'_>, kind: LineKind, from: DVec2, to: DVec2) {
-    let Look { layers } = look_of(kind);
-    for layer in layers {
-        scene.stroke(vec![Outline::open([from, to])], layer_stroke(layer, style, 1.0));
+/// Draws a sample of a kind for the legend, this long from its left end: a straight line, a patch for areas.
+pub(crate) fn draw_sample(scene: &mut Scene, style: &Style<'_>, kind: LineKind, left: DVec2, length_px: f64) {
+    let right = left + DVec2::new(length_px, 0.0);
+    let mut outline = Outline::open([left, right]);
+    if kind == LineKind::Lake {
+        let half = DVec2::new(0.0, style.pt(2.6));
+        outline = Outline::closed([left - half, right - half, right + half, left + half]);
+        scene.fill(vec![outline.clone()], Fill { colour: LAKE, opacity: 0.9 });
+    }
+    for layer in look_of(kind) {
+        scene.stroke(vec![outline.clone()], layer_stroke(layer, style, 1.0));
     }
 }

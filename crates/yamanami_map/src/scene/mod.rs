@@ -1,10 +1,12 @@
 //! What is drawn over the ground, as a short list of shapes: the same list becomes SVG, PDF and pixels.
 
 mod pdf;
+mod png;
 mod raster;
 mod svg;
 
 pub use pdf::PackedBase;
+pub use png::encode_png;
 
 use glam::DVec2;
 
@@ -83,15 +85,13 @@ pub enum Anchor {
     End,
 }
 
-/// Letters of one size, weight and colour.
+/// Letters of one size and colour.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Run {
     /// The letters.
     pub text: String,
     /// Their size in pixels.
     pub size_px: f64,
-    /// Their weight.
-    pub weight: crate::Weight,
     /// Their colour.
     pub colour: Colour,
 }
@@ -133,15 +133,6 @@ pub enum Shape {
         fill: Option<Fill>,
         /// How it is drawn.
         stroke: Option<Stroke>,
-    },
-    /// An upright bar of colours, lowest stop at the bottom.
-    Bar {
-        /// Its upper left corner, pixels.
-        corner: DVec2,
-        /// Its width and height, pixels.
-        size_px: DVec2,
-        /// Share of its height (0 bottom to 1 top) and colour, rising.
-        stops: Vec<(f64, Colour)>,
     },
     /// Letters.
     Text(Text),
@@ -190,7 +181,6 @@ impl Shape {
         match &mut self {
             Self::Outlines { outlines, .. } => outlines.iter_mut().flat_map(|o| &mut o.points).for_each(|p| *p += by),
             Self::Circle { centre, .. } => *centre += by,
-            Self::Bar { corner, .. } => *corner += by,
             Self::Text(text) => text.at += by,
         }
         self

@@ -26,7 +26,7 @@ impl Scene {
         let mm = |px: u32| dpi.map_or(format!("{px}"), |dpi| format!("{:.3}mm", f64::from(px) * 25.4 / dpi));
         let mut out = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{}\" height=\"{}\" viewBox=\"0 0 {width} {height}\" \
-             font-family=\"{}\" stroke-linejoin=\"round\" stroke-linecap=\"round\">\n",
+             font-family=\"{}\" font-weight=\"500\" stroke-linejoin=\"round\" stroke-linecap=\"round\">\n",
             mm(width),
             mm(height),
             escaped(&fonts.families())
@@ -45,17 +45,12 @@ impl Scene {
             Ground::Named(name) => image(&mut out, &name),
             Ground::Inside(base) => image(&mut out, &base.data_url()),
         }
-        let mut bars = 0;
         for shape in &self.shapes {
             match shape {
                 Shape::Outlines { outlines, fill, stroke } => write_outlines(&mut out, outlines, *fill, *stroke),
                 Shape::Circle { centre, radius_px, fill, stroke } => {
                     let _ = write!(out, "<circle cx=\"{:.2}\" cy=\"{:.2}\" r=\"{radius_px:.2}\"", centre.x, centre.y);
                     write_paint(&mut out, *fill, *stroke);
-                }
-                Shape::Bar { corner, size_px, stops } => {
-                    bars += 1;
-                    write_bar(&mut out, bars, *corner, *size_px, stops);
                 }
                 Shape::Text(text) => write_text(&mut out, text),
             }
@@ -128,18 +123,6 @@ fn write_opacity(out: &mut String, name: &str, opacity: f64) {
     }
 }
 
-fn write_bar(out: &mut String, number: usize, corner: glam::DVec2, size_px: glam::DVec2, stops: &[(f64, Colour)]) {
-    let _ = write!(out, "<linearGradient id=\"bar{number}\" x1=\"0\" y1=\"1\" x2=\"0\" y2=\"0\">");
-    for (share, colour) in stops {
-        let _ = write!(out, "<stop offset=\"{share:.4}\" stop-color=\"{}\"/>", hex(*colour));
-    }
-    let _ = writeln!(
-        out,
-        "</linearGradient><rect x=\"{:.2}\" y=\"{:.2}\" width=\"{:.2}\" height=\"{:.2}\" fill=\"url(#bar{number})\"/>",
-        corner.x, corner.y, size_px.x, size_px.y
-    );
-}
-
 fn write_text(out: &mut String, text: &Text) {
     let Some(first) = text.runs.first() else { return };
     let _ = write!(out, "<text x=\"{:.2}\" y=\"{:.2}\"", text.at.x, text.at.y);
@@ -167,11 +150,5 @@ fn write_text(out: &mut String, text: &Text) {
 }
 
 fn write_run_style(out: &mut String, run: &Run) {
-    let _ = write!(
-        out,
-        " font-size=\"{:.2}\" font-weight=\"{}\" fill=\"{}\"",
-        run.size_px,
-        run.weight.number(),
-        hex(run.colour)
-    );
+    let _ = write!(out, " font-size=\"{:.2}\" fill=\"{}\"", run.size_px, hex(run.colour));
 }

@@ -52,7 +52,7 @@ pub struct Composed {
     pub scene: Scene,
     /// What became of each place, in the order of the places.
     pub labels: Vec<Label>,
-    /// Names with characters that no font has.
+    /// Names, titles and credits with characters that no font has.
     pub missing: Vec<MissingGlyphs>,
 }
 
@@ -67,7 +67,9 @@ impl Sheet<'_> {
         let kinds = lines::draw(&mut scene, &style, self, height_m, is_visible);
         furniture::draw_over_map(&mut scene, &style, self, &mut taken);
         furniture::draw_around_map(&mut scene, &style, self, &kinds, &mut taken);
-        let (labels, missing) = labels::draw(&mut scene, &style, self, &mut taken, height_m, is_visible);
+        let (labels, mut missing) = labels::draw(&mut scene, &style, self, &mut taken, height_m, is_visible);
+        let texts = self.credits.iter().map(String::as_str).chain([self.title]);
+        missing.extend(texts.filter_map(|text| MissingGlyphs::of_text(self.fonts, text)));
         Composed { scene, labels, missing }
     }
 

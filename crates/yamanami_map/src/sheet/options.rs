@@ -107,7 +107,7 @@ impl SheetOptions {
     /// From the picture's edge to what stands inside the frame, points.
     pub(crate) const FRAME_PT: f64 = 20.0;
     /// What one ring of names takes, points.
-    pub(crate) const NAMES_PT: f64 = 96.0;
+    pub(crate) const NAMES_PT: f64 = 90.0;
     /// Between the horizon and the first ring of names, points.
     pub(crate) const LEADER_PT: f64 = 20.0;
 
@@ -117,8 +117,8 @@ impl SheetOptions {
         let side_px = f64::from(size_px[0].min(size_px[1]).max(1));
         match dpi {
             Some(dpi) if dpi > 0.0 => {
-                let side_mm = side_px * 25.4 / dpi;
-                dpi / 72.0 * (side_mm / 300.0).powf(0.5)
+                let share = side_px * 25.4 / dpi / 300.0;
+                dpi / 72.0 * share.powf(if share < 1.0 { 0.5 } else { 0.35 })
             }
             _ => side_px / 975.0,
         }

@@ -65,21 +65,21 @@ impl Strings {
         }
     }
 
-    /// Longitude and latitude in degrees, as 35°21′38″N 138°43′39″E.
+    /// Longitude and latitude given in degrees.
     pub(crate) fn lon_lat(&self, lon_lat: DVec2) -> String {
-        let parts = |degrees: f64| {
-            let seconds = (degrees.abs() * 3600.0).round() as i64;
-            format!("{}°{:02}′{:02}″", seconds / 3600, seconds / 60 % 60, seconds % 60)
-        };
-        let (lat, lon) = (parts(lon_lat.y), parts(lon_lat.x));
         let (north, east) = (lon_lat.y >= 0.0, lon_lat.x >= 0.0);
         match self.language {
             Language::Ja => {
+                let parts = |degrees: f64| {
+                    let seconds = (degrees.abs() * 3600.0).round() as i64;
+                    format!("{}度{:02}分{:02}秒", seconds / 3600, seconds / 60 % 60, seconds % 60)
+                };
                 let (ns, ew) = (if north { "北緯" } else { "南緯" }, if east { "東経" } else { "西経" });
-                format!("{ns}{lat} {ew}{lon}")
+                format!("{ns}{} {ew}{}", parts(lon_lat.y), parts(lon_lat.x))
             }
             Language::En => {
-                format!("{lat} {} {lon} {}", if north { "N" } else { "S" }, if east { "E" } else { "W" })
+                let (ns, ew) = (if north { "N" } else { "S" }, if east { "E" } else { "W" });
+                format!("{:.4}° {ns} {:.4}° {ew}", lon_lat.y.abs(), lon_lat.x.abs())
             }
         }
     }
@@ -88,15 +88,15 @@ impl Strings {
     pub(crate) fn projection(&self, map: &DeformedMap, rim_m: f64) -> Vec<String> {
         let (ring, rim, eye) = (km(map.ring_m), km(rim_m), grouped(map.eye_m));
         let mut shape = match self.language {
-            Language::Ja => format!("視点の高さ {eye} m · α {}", short(map.alpha)),
-            Language::En => format!("Eye {eye} m · α {}", short(map.alpha)),
+            Language::Ja => format!("視点の高さ {eye} m · アルファ {}", short(map.alpha)),
+            Language::En => format!("Eye at {eye} m · alpha {}", short(map.alpha)),
         };
         if map.exaggeration != 1.0 {
             shape += &format!(" · {} ×{}", self.pick("高さ", "heights"), short(map.exaggeration));
         }
         let reach = match self.language {
-            Language::Ja => format!("平面図 D_R {ring} km · 展望 {rim} km まで"),
-            Language::En => format!("Plain map D_R {ring} km · seen to {rim} km"),
+            Language::Ja => format!("平面図 半径 {ring} km · 展望 {rim} km まで"),
+            Language::En => format!("Plain map to {ring} km, panorama to {rim} km"),
         };
         let mut lines = vec![reach, shape];
         if let Some(curvature) = map.curvature {
@@ -121,7 +121,7 @@ pub(crate) fn short(number: f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
-/// A whole number with a thin space between thousands.
+/// A whole number with a space between thousands from five digits on.
 pub(crate) fn grouped(number: f64) -> String {
     let digits = format!("{:.0}", number.abs());
     let mut out = String::from(if number <= -0.5 { "−" } else { "" });
@@ -143,7 +143,7 @@ mod tests {
         assert_eq!([0.0, 3776.4, 12_345.0, -12.0].map(grouped), ["0", "3776", "12 345", "−12"]);
         assert_eq!([0.3, 10.0, 2.5].map(short), ["0.3", "10", "2.5"]);
         let fuji = DVec2::new(138.7274, 35.3606);
-        assert_eq!(EN.lon_lat(fuji), "35°21′38″ N 138°43′39″ E");
-        assert_eq!(JA.lon_lat(-fuji), "南緯35°21′38″ 西経138°43′39″");
+        assert_eq!(EN.lon_lat(fuji), "35.3606° N 138.7274° E");
+        assert_eq!(JA.lon_lat(-fuji), "南緯35度21分38秒 西経138度43分39秒");
     }
 }

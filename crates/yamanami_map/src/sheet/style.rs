@@ -1,8 +1,8 @@
 //! Sizes in points made pixels, and texts of the sheet's kind.
 
 use super::{HALO, Language, SheetOptions, Strings};
+use crate::Fonts;
 use crate::scene::{Anchor, Colour, Run, Stroke, Text};
-use crate::{Fonts, Weight};
 use glam::DVec2;
 
 /// What everything on a sheet is drawn with.
@@ -35,13 +35,14 @@ impl<'a> Style<'a> {
     }
 
     /// Letters of one size.
-    pub(crate) fn run(&self, text: impl Into<String>, points: f64, weight: Weight, colour: Colour) -> Run {
-        Run { text: text.into(), size_px: self.pt(points), weight, colour }
+    pub(crate) fn run(&self, text: impl Into<String>, points: f64, colour: Colour) -> Run {
+        Run { text: text.into(), size_px: self.pt(points), colour }
     }
 
     /// Width of runs set one after the other, pixels.
     pub(crate) fn width_px(&self, runs: &[Run]) -> f64 {
-        runs.iter().map(|run| run.size_px * self.fonts.width_em(&run.text, run.weight)).sum()
+        let widths_em = self.fonts.widths_em(runs.iter().map(|run| run.text.as_str()));
+        runs.iter().zip(widths_em).map(|(run, em)| run.size_px * em).sum()
     }
 
     /// A line of letters with its base line at `at`.
