@@ -50,6 +50,7 @@ fn pictures_equal_those_drawn_in_software() {
         ("dropped", &low, &dropped, 0.3),
         ("wire", &close, &wire, 1.0),
         ("fine", &sphere, &fine, 0.3),
+        ("fine pictures", &sphere, &MapOptions { antialias: true, ..base.clone() }, 1.0),
     ] {
         let drawn = renderer.render_to_image(&mesh, view, options).unwrap();
         let reference = render_to_image(mesh.buffers(), view, options).unwrap();
