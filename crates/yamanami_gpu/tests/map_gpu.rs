@@ -26,8 +26,8 @@ fn pictures_equal_those_drawn_in_software() {
     let base = MapOptions { textures: mountains.textures(), ..MapOptions::default() };
     let plain = MapOptions { ground: [90, 140, 70, 255], background: [250, 248, 240, 255], ..MapOptions::default() };
     let curvature = Some(Curvature { refraction: 0.13, from: DropFrom::Ring });
-    let sphere = MapView { up_azimuth_rad: 0.3, ..view(0.0, [320, 300]) };
-    let between = view(0.4, [320, 300]);
+    let sphere = MapView { up_azimuth_rad: 0.3, ..view(0.0, [220, 200]) };
+    let between = view(0.4, [220, 200]);
     let bent = DeformedMap { curvature, exaggeration: 1.2, alpha_fall: 1.5, ..between.map };
     // so low an eye that much is hidden
     let low = MapView { map: DeformedMap { ring_m: 5e3, eye_m: 2e3, ..between.map }, ring_px: 14.0, ..between };
@@ -39,7 +39,7 @@ fn pictures_equal_those_drawn_in_software() {
     assert!(mean_difference(&unveiled, &render_to_image(mesh.buffers(), &low, &dropped).unwrap()) > 2.0);
     let wire = MapOptions { wireframe: Some(Wireframe::default()), ..plain.clone() };
     let fine = MapOptions { antialias: true, ..plain.clone() };
-    let close = MapView { ring_px: 900.0, centre_px: glam::DVec2::new(-700.0, 400.0), ..sphere };
+    let close = MapView { ring_px: 600.0, centre_px: glam::DVec2::new(-450.0, 270.0), ..sphere };
     for (name, view, options, bound) in [
         ("sphere", &sphere, &base, 0.3),
         ("close", &close, &base, 0.3),
