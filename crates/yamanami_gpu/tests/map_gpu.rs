@@ -4,7 +4,7 @@
 mod common;
 
 use common::maps::{Mountains, view};
-use common::target::{drawn_on, mean_difference};
+use common::target::{drawn_on, mean_difference, plain_gpu};
 use std::sync::Arc;
 use yamanami_core::{Curvature, DeformedMap, DropFrom, MapView};
 use yamanami_gpu::{
@@ -58,6 +58,19 @@ fn pictures_equal_those_drawn_in_software() {
         println!("{name}: mean difference {difference:.3} of 255");
         assert!(difference < bound, "{name}: {difference}");
     }
+}
+
+#[test]
+fn without_storage_buffers_the_map_is_the_same_and_edges_are_left_out() {
+    let Some(gpu) = plain_gpu() else { return };
+    let mountains = Mountains::new();
+    let mut mesh = ResidentMesh::with_buffers(&gpu, ResidentBuffers::from_mesh(&mountains.mesh()));
+    mesh.flush().unwrap();
+    let options = MapOptions { textures: mountains.textures(), ..MapOptions::default() };
+    let edged = MapOptions { wireframe: Some(Wireframe::default()), ..options.clone() };
+    let view = view(0.0, [120, 110]);
+    let drawn = MapRenderer::new(&gpu).render_to_image(&mesh, &view, &edged).unwrap();
+    assert!(mean_difference(&drawn, &render_to_image(mesh.buffers(), &view, &options).unwrap()) < 0.3);
 }
 
 /// A window's texture often takes bytes as they are: the shaders then leave sRGB as it is.
