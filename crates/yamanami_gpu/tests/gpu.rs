@@ -4,7 +4,7 @@
 mod common;
 
 use common::Walk;
-use common::target::{drawn_on, mean_difference};
+use common::target::{drawn_on, mean_difference, plain_gpu};
 use glam::DVec3;
 use image::RgbaImage;
 use std::sync::Arc;
@@ -26,17 +26,6 @@ fn gpu() -> Option<Gpu> {
             None
         }
     }
-}
-
-/// A device without compute shaders and storage buffers, as in a browser with WebGL 2.
-fn plain_gpu() -> Option<Gpu> {
-    use yamanami_gpu::wgpu;
-    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
-    let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default())).ok()?;
-    let required_limits = wgpu::Limits::downlevel_webgl2_defaults();
-    let descriptor = wgpu::DeviceDescriptor { required_limits, ..wgpu::DeviceDescriptor::default() };
-    let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).ok()?;
-    Some(Gpu::from_device(device, queue))
 }
 
 #[test]

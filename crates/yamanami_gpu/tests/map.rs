@@ -57,7 +57,8 @@ fn every_pixel_shows_the_nearest_ground_that_is_drawn_there() {
                 }
             }
         }
-        assert!(shown > 40_000 && farthest_px < 0.5, "{shown} pixels, off by up to {farthest_px} px");
+        // inside a triangle places run straight, which the projection does not
+        assert!(shown > 40_000 && farthest_px < 1.0, "{shown} pixels, off by up to {farthest_px} px");
     }
 }
 

@@ -4,7 +4,7 @@
 mod common;
 
 use common::maps::{Mountains, view};
-use common::target::{drawn_on, mean_difference};
+use common::target::{drawn_on, mean_difference, plain_gpu};
 use std::sync::Arc;
 use yamanami_core::{Curvature, DeformedMap, DropFrom, MapView};
 use yamanami_gpu::{
@@ -26,8 +26,8 @@ fn pictures_equal_those_drawn_in_software() {
     let base = MapOptions { textures: mountains.textures(), ..MapOptions::default() };
     let plain = MapOptions { ground: [90, 140, 70, 255], background: [250, 248, 240, 255], ..MapOptions::default() };
     let curvature = Some(Curvature { refraction: 0.13, from: DropFrom::Ring });
-    let sphere = MapView { up_azimuth_rad: 0.3, ..view(0.0, [320, 300]) };
-    let between = view(0.4, [320, 300]);
+    let sphere = MapView { up_azimuth_rad: 0.3, ..view(0.0, [220, 200]) };
+    let between = view(0.4, [220, 200]);
     let bent = DeformedMap { curvature, exaggeration: 1.2, alpha_fall: 1.5, ..between.map };
     // so low an eye that much is hidden
     let low = MapView { map: DeformedMap { ring_m: 5e3, eye_m: 2e3, ..between.map }, ring_px: 14.0, ..between };
@@ -39,7 +39,7 @@ fn pictures_equal_those_drawn_in_software() {
     assert!(mean_difference(&unveiled, &render_to_image(mesh.buffers(), &low, &dropped).unwrap()) > 2.0);
     let wire = MapOptions { wireframe: Some(Wireframe::default()), ..plain.clone() };
     let fine = MapOptions { antialias: true, ..plain.clone() };
-    let close = MapView { ring_px: 900.0, centre_px: glam::DVec2::new(-700.0, 400.0), ..sphere };
+    let close = MapView { ring_px: 600.0, centre_px: glam::DVec2::new(-450.0, 270.0), ..sphere };
     for (name, view, options, bound) in [
         ("sphere", &sphere, &base, 0.3),
         ("close", &close, &base, 0.3),
@@ -50,6 +50,7 @@ fn pictures_equal_those_drawn_in_software() {
         ("dropped", &low, &dropped, 0.3),
         ("wire", &close, &wire, 1.0),
         ("fine", &sphere, &fine, 0.3),
+        ("fine pictures", &sphere, &MapOptions { antialias: true, ..base.clone() }, 1.0),
     ] {
         let drawn = renderer.render_to_image(&mesh, view, options).unwrap();
         let reference = render_to_image(mesh.buffers(), view, options).unwrap();
@@ -57,6 +58,19 @@ fn pictures_equal_those_drawn_in_software() {
         println!("{name}: mean difference {difference:.3} of 255");
         assert!(difference < bound, "{name}: {difference}");
     }
+}
+
+#[test]
+fn without_storage_buffers_the_map_is_the_same_and_edges_are_left_out() {
+    let Some(gpu) = plain_gpu() else { return };
+    let mountains = Mountains::new();
+    let mut mesh = ResidentMesh::with_buffers(&gpu, ResidentBuffers::from_mesh(&mountains.mesh()));
+    mesh.flush().unwrap();
+    let options = MapOptions { textures: mountains.textures(), ..MapOptions::default() };
+    let edged = MapOptions { wireframe: Some(Wireframe::default()), ..options.clone() };
+    let view = view(0.0, [120, 110]);
+    let drawn = MapRenderer::new(&gpu).render_to_image(&mesh, &view, &edged).unwrap();
+    assert!(mean_difference(&drawn, &render_to_image(mesh.buffers(), &view, &options).unwrap()) < 0.3);
 }
 
 /// A window's texture often takes bytes as they are: the shaders then leave sRGB as it is.

@@ -31,7 +31,7 @@ pub(super) struct MapFrame {
     texture_count: u32,
     hidden: u32,
     encode_srgb: u32,
-    soft_rim: [u32; 4],
+    antialias: [u32; 4],
     textures: [[f32; 4]; MAX_TEXTURES],
 }
 
@@ -74,7 +74,7 @@ impl MapFrame {
             texture_count: options.textures.levels().len() as u32,
             hidden: HIDDEN_SEEN,
             encode_srgb: u32::from(!is_srgb),
-            soft_rim: [u32::from(options.antialias), 0, 0, 0],
+            antialias: [u32::from(options.antialias), 0, 0, 0],
             textures: [[0.0; 4]; MAX_TEXTURES],
         };
         for (out, level) in frame.textures.iter_mut().zip(options.textures.levels()) {

@@ -24,7 +24,7 @@ use yamanami_core::MapView;
 pub struct MapRenderer {
     gpu: Gpu,
     shader: wgpu::ShaderModule,
-    wire_shader: wgpu::ShaderModule,
+    wire_shader: Option<wgpu::ShaderModule>,
     layout: wgpu::BindGroupLayout,
     storage: Option<wgpu::BindGroupLayout>,
     pipelines: HashMap<(wgpu::TextureFormat, u32), Pipelines>,
@@ -73,23 +73,26 @@ impl MapRenderer {
                 entry(2, wgpu::ShaderStages::FRAGMENT, image(wgpu::TextureViewDimension::D2)),
             ],
         });
+        let storage = storage_layout(gpu);
         Self {
             gpu: gpu.clone(),
             shader: shader_module(
                 gpu,
                 concat!(include_str!("../shaders/colour.wgsl"), include_str!("../shaders/map.wgsl")),
             ),
-            wire_shader: shader_module(
-                gpu,
-                concat!(
-                    include_str!("../shaders/colour.wgsl"),
-                    include_str!("../shaders/map.wgsl"),
-                    include_str!("../shaders/stored.wgsl"),
-                    include_str!("../shaders/map_wire.wgsl")
-                ),
-            ),
+            wire_shader: storage.is_some().then(|| {
+                shader_module(
+                    gpu,
+                    concat!(
+                        include_str!("../shaders/colour.wgsl"),
+                        include_str!("../shaders/map.wgsl"),
+                        include_str!("../shaders/stored.wgsl"),
+                        include_str!("../shaders/map_wire.wgsl")
+                    ),
+                )
+            }),
             layout,
-            storage: storage_layout(gpu),
+            storage,
             pipelines: HashMap::new(),
             uniforms,
             attachments: None,
@@ -202,8 +205,8 @@ impl MapRenderer {
             step_mode: wgpu::VertexStepMode::Vertex,
             attributes: &attributes,
         };
-        let wire = self.storage.as_ref().map(|storage| {
-            pipeline.create(&self.wire_shader, "map_wire", &[Some(&self.layout), Some(storage)], &[], true)
+        let wire = self.storage.as_ref().zip(self.wire_shader.as_ref()).map(|(storage, shader)| {
+            pipeline.create(shader, "map_wire", &[Some(&self.layout), Some(storage)], &[], true)
         });
         Pipelines { map: pipeline.create(&self.shader, "map", &[Some(&self.layout)], &[Some(vertex)], true), wire }
     }

@@ -17,13 +17,14 @@ struct MapFrame {
     texture_count: u32,
     hidden: u32,
     encode_srgb: u32,
-    soft_rim: vec4<u32>,
+    antialias: vec4<u32>,
     textures: array<vec4<f32>, 16>, // 1 / reach, samples from the middle to a side
 }
 
 const HIDDEN_SEEN = 0u;
 const HIDDEN_DROPPED = 1u;
 const BLEND_SHARE = 0.1;
+const MAX_PROBES = 8.0;
 const TURN = 6.2831853;
 
 @group(0) @binding(0) var<uniform> frame: MapFrame;
@@ -34,6 +35,7 @@ struct Ground {
     @builtin(position) clip: vec4<f32>,
     @location(0) @interpolate(perspective, centroid) plane: vec3<f32>,
     @location(1) barycentric: vec3<f32>,
+    @location(2) at_pixel: vec2<f32>, // plane once more, for its slope over the screen
 }
 
 // tan(φ/2) of a point at distance d > 0 and depth below the eye.
@@ -61,7 +63,8 @@ fn place(position: vec3<f32>) -> Ground {
     // nearer is greater, ½ at the rim, so that no ground within the rim is cut off
     let nearness = 1.0 - 0.5 * length(at.xy) / frame.mix.w;
     let clip = vec4(dot(frame.clip_x.xyz, image), dot(frame.clip_y.xyz, image), nearness, 1.0);
-    return Ground(clip, position + frame.origin.xyz, vec3(1.0));
+    let plane = position + frame.origin.xyz;
+    return Ground(clip, plane, vec3(1.0), plane.xy);
 }
 
 @vertex
@@ -101,6 +104,27 @@ fn pictured(plane: vec2<f32>) -> vec4<f32> {
     return colour;
 }
 
+// The mean over a pixel's footprint, along its longer side.
+fn mean_pictured(at: vec2<f32>, right: vec2<f32>, down: vec2<f32>) -> vec4<f32> {
+    let reach = max(abs(at.x), abs(at.y));
+    for (var i = 0u; i < frame.texture_count; i++) {
+        let level = frame.textures[i];
+        if reach * level.x <= 1.0 {
+            let spacing = 1.0 / (level.x * level.y);
+            let longer = select(down, right, dot(right, right) > dot(down, down));
+            let size = length(longer);
+            let probes = clamp(round(size / spacing), 1.0, MAX_PROBES);
+            let along = longer * min(1.0, probes * spacing / max(size, 1e-9));
+            var sum = vec4(0.0);
+            for (var k = 0.0; k < probes; k += 1.0) {
+                sum += pictured(at + along * ((k + 0.5) / probes - 0.5));
+            }
+            return sum / probes;
+        }
+    }
+    return vec4(0.0);
+}
+
 fn horizon_at(out: vec2<f32>, r: f32) -> f32 {
     let row = fract(atan2(out.x, out.y) / TURN) * frame.horizon.x;
     let column = clamp(r * frame.horizon.z, 0.0, frame.horizon.y - 1.0);
@@ -133,11 +157,16 @@ fn to_target(colour: vec4<f32>) -> vec4<f32> {
     return vec4(linear_from_srgb(colour.rgb / colour.a) * colour.a, colour.a);
 }
 
-fn shown(plane: vec3<f32>, wire: f32) -> vec4<f32> {
+fn shown(plane: vec3<f32>, right: vec2<f32>, down: vec2<f32>, wire: f32) -> vec4<f32> {
     let out = (plane - frame.origin.xyz + frame.to_ring.xyz) * frame.to_ring.w;
     let beyond = length(out.xy) - frame.mix.w;
     let per_px = fwidth(beyond);
-    var colour = pictured(plane.xy);
+    var colour: vec4<f32>;
+    if frame.antialias.x != 0u {
+        colour = mean_pictured(plane.xy, right, down);
+    } else {
+        colour = pictured(plane.xy);
+    }
     colour += frame.ground * (1.0 - colour.a);
     colour = mix(colour, vec4(frame.wire.rgb, 1.0), wire);
     let hidden = hidden_share(out.xy, out.z);
@@ -147,11 +176,11 @@ fn shown(plane: vec3<f32>, wire: f32) -> vec4<f32> {
         colour = vec4(mix(colour.rgb, frame.veil.rgb * colour.a, hidden * frame.veil.a), colour.a);
     }
     let soft = clamp(0.5 - beyond / max(per_px, 1e-12), 0.0, 1.0);
-    colour *= select(select(0.0, 1.0, beyond <= 0.0), soft, frame.soft_rim.x != 0u);
+    colour *= select(select(0.0, 1.0, beyond <= 0.0), soft, frame.antialias.x != 0u);
     return to_target(colour + frame.background * (1.0 - colour.a));
 }
 
 @fragment
 fn map_fragment(in: Ground) -> @location(0) vec4<f32> {
-    return shown(in.plane, 0.0);
+    return shown(in.plane, dpdx(in.at_pixel), dpdy(in.at_pixel), 0.0);
 }

@@ -13,5 +13,6 @@ fn map_wire_fragment(in: Ground) -> @location(0) vec4<f32> {
     let b = in.barycentric;
     let across = dpdx(b);
     let down = dpdy(b);
-    return shown(in.plane, wire_share(b, sqrt(across * across + down * down), frame.wire_width_px, frame.wire.a));
+    let wire = wire_share(b, sqrt(across * across + down * down), frame.wire_width_px, frame.wire.a);
+    return shown(in.plane, dpdx(in.at_pixel), dpdy(in.at_pixel), wire);
 }

@@ -10,7 +10,7 @@ use yamanami_testkit::{Shape, Spacing, SyntheticTerrain};
 /// How far the maps of the tests reach.
 pub const RIM_M: f64 = 60e3;
 /// Spacing of the heights.
-pub const SPACING_M: f64 = 500.0;
+pub const SPACING_M: f64 = 800.0;
 
 /// Fractal mountains, folded so that there are many ridges, in a square that holds the rim's disc.
 pub struct Mountains {

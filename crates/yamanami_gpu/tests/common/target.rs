@@ -3,6 +3,16 @@
 use image::RgbaImage;
 use yamanami_gpu::{Gpu, wgpu};
 
+/// A device without compute shaders and storage buffers, as in a browser with WebGL 2.
+pub fn plain_gpu() -> Option<Gpu> {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+    let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default())).ok()?;
+    let required_limits = wgpu::Limits::downlevel_webgl2_defaults();
+    let descriptor = wgpu::DeviceDescriptor { required_limits, ..wgpu::DeviceDescriptor::default() };
+    let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).ok()?;
+    Some(Gpu::from_device(device, queue))
+}
+
 /// Bytes of a texture after `draw` drew on it. Its width must be a multiple of 64, so that rows need no padding.
 pub fn drawn_on(
     gpu: &Gpu,

@@ -100,7 +100,13 @@ impl<'a> MapPainter<'a> {
 
     /// Colour times alpha, and alpha, of ground that is seen.
     fn colour(&self, seen: &Seen<'_>) -> Vec4 {
-        let mut colour = self.options.textures.colour(seen.place.x, seen.place.y);
+        let textures = &self.options.textures;
+        let mut colour = if self.options.antialias {
+            let [right, down] = seen.run.steps_m();
+            textures.mean_colour(seen.place.truncate(), right, down)
+        } else {
+            textures.colour(seen.place.x, seen.place.y)
+        };
         colour += self.ground * (1.0 - colour.w);
         if let Some(wire) = self.options.wireframe {
             // the width is that of the picture's pixels
