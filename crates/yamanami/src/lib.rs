@@ -25,6 +25,7 @@ mod full_surface;
 mod ground_image;
 mod hide;
 mod hiraoka;
+mod hori;
 mod large;
 mod large_tin;
 mod look;
@@ -64,6 +65,7 @@ pub use full_surface::{FullSurface, finest_mesh};
 pub use ground_image::{GroundImage, read_picture};
 pub use hide::{Closing, SeenSide, close, seen_side};
 pub use hiraoka::hiraoka;
+pub use hori::hori;
 pub use large::{LargeOptions, LargeReport, LargeTarget, reduce_large};
 pub use large_tin::{FileTiles, GridTiles, TinFacts, TinTiles, build_tiles};
 pub use look::{LookLimits, LookSame, Original, Probe, look_same, worst_of};
@@ -96,7 +98,8 @@ pub use yamanami_core as core;
 pub use yamanami_gpu as gpu;
 pub use yamanami_io as io;
 pub use yamanami_lod::{
-    Controller, Criteria, FrameReport, Front, LimitedBy, MapCriterion, PaperController, Staircase, Step, ViewCriterion,
+    Band, BandRule, BandTable, Controller, Criteria, FrameReport, Front, LimitedBy, MapCriterion, PaperController,
+    SlopeDeviation, Staircase, Step, ViewCriterion,
 };
 pub use yamanami_map as map;
 pub use yamanami_measure as measure;
