@@ -117,16 +117,28 @@ fn weigh(ground: &Ground, diamonds: &Diamonds, place: Place, node: &mut NodeData
     let z = ground.height_m(place);
     let [a, b] = d.ends.map(|p| ground.height_m(p));
     (node.low_m, node.high_m) = (z.min(a).min(b), z.max(a).max(b));
+    if k <= ground.grids() && diamonds.reach(k) >= place[0].abs().max(place[1].abs()) >> k {
+        // the samples of its own lattice are its vertex and its children's
+        node.error_m =
+            node.error_m.max(rounded_up(0.5 * ((f64::from(z) - f64::from(a)) + (f64::from(z) - f64::from(b)))));
+    }
     for apex in diamonds.apexes(&d) {
         let c = ground.height_m(apex);
         (node.low_m, node.high_m) = (node.low_m.min(c), node.high_m.max(c));
         node.rise_m = node.rise_m.max(a.max(b).max(c) - a.min(b).min(c));
         // samples of wider grids are no finer than the triangle
-        for grid in 1..=k.min(ground.grids()) {
+        for grid in 1..=(k - 1).min(ground.grids()) {
             let reach = diamonds.reach(grid);
-            node.error_m = node.error_m.max(distance_m(ground, d.ends, place, apex, grid, reach));
+            node.error_m = node.error_m.max(rounded_up(distance_m(ground, d.ends, place, apex, grid, reach)));
         }
     }
+}
+
+/// A distance in f32, never below the true one.
+#[inline]
+fn rounded_up(distance_m: f64) -> f32 {
+    let (exact, short) = (distance_m.abs(), distance_m.abs() as f32);
+    if f64::from(short) < exact { short.next_up() } else { short }
 }
 
 /// Nested circles: a child's centre is a step off, and its circle is inside.
