@@ -105,7 +105,7 @@ fn the_error_in_pixels_bounds_every_sample_of_any_map() {
 
 #[test]
 fn the_same_over_a_wider_field_with_raised_summits() {
-    let rule = SummitRule { share: 0.3, min_prominence_m: 100.0 };
+    let rule = SummitRule { factor: 2.0, min_prominence_m: 100.0 };
     let field = small_field(34, 700.0);
     hold(&Rtin::build(field, &BuildOptions { summits: Some(rule) }).unwrap(), 100, 2);
 }
