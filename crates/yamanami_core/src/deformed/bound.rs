@@ -12,7 +12,7 @@
 //!
 //! The plane's share α·r / D_R is linear in the plane and bends nothing.
 
-use super::DeformedMap;
+use super::{DeformedMap, half_tangent, slant};
 use glam::DVec2;
 
 /// A piece of ground: all within a circle of the plane and a range of heights.
@@ -28,8 +28,8 @@ pub struct Patch {
     pub high_m: f64,
 }
 
-/// Where −T_dd·D² is greatest for depths above 0, radians, and its value there.
-const MOST_BENT_RAD: f64 = 0.907;
+/// cos φ where −T_dd·D² is greatest for depths above 0 (0.907 radians), and its value there.
+const MOST_BENT_COS: f64 = 0.616;
 const MOST_BENT: f64 = 0.4873;
 
 /// (d / Z) where ∂ρ/∂z of one depth is greatest: the square root of the golden ratio.
@@ -66,22 +66,19 @@ impl DeformedMap {
     /// Greatest second derivative of the picture along straight lines of triangles.
     fn bend(&self, [r0, r1]: [f64; 2], [low_z, high_z]: [f64; 2], lean: f64, edge_m: f64, rise_m: f64) -> f64 {
         let (d0, d1) = (r0 - self.ring_m, r1 - self.ring_m);
-        let (phi0, phi1) = (d0.atan2(high_z), d1.atan2(low_z));
-        let slant = d0.hypot(low_z.max(0.0));
-        let per_area = 1.0 / (slant * slant);
-        let ends = |g: fn(f64) -> f64| g(phi0).abs().max(g(phi1).abs());
-        let t_zz = per_area * if (phi0..=phi1).contains(&std::f64::consts::FRAC_PI_2) { 1.0 } else { ends(f64::sin) };
-        let t_dz = per_area * ends(|phi| 1.0 / (1.0 + phi.cos()) - phi.cos());
-        let most = if (phi0..=phi1).contains(&MOST_BENT_RAD) { MOST_BENT } else { 0.0 };
-        let t_dd = per_area
-            * ends(|phi| {
-                let c = phi.cos();
-                phi.sin() * c * (2.0 + c) / ((1.0 + c) * (1.0 + c))
-            })
-            .max(most);
-        let t_d = (phi0.cos() / (1.0 + phi0.cos())).abs().max((phi1.cos() / (1.0 + phi1.cos())).abs()) / slant;
-        let t = (0.5 * phi1).tan();
-        let s = self.scale;
+        // the least and the greatest angle: below the eye angles grow with distance, above it they fall
+        let least = Angle::of(if high_z < 0.0 { d1 } else { d0 }, high_z);
+        let most = Angle::of(if low_z < 0.0 { d0 } else { d1 }, low_z);
+        let holds = |cos: f64| most.cos <= cos && cos <= least.cos;
+        let ends = |g: fn(&Angle) -> f64| g(&least).abs().max(g(&most).abs());
+        let squared = d0 * d0 + low_z.max(0.0) * low_z.max(0.0);
+        let (per_m, per_area) = (1.0 / squared.sqrt(), 1.0 / squared);
+        let t_zz = per_area * if holds(0.0) { 1.0 } else { ends(|a| a.sin) };
+        let t_dz = per_area * ends(|a| a.per_one_and_cos - a.cos);
+        let top = if holds(MOST_BENT_COS) { MOST_BENT } else { 0.0 };
+        let t_dd = per_area * ends(|a| a.sin * a.cos * (2.0 + a.cos) * a.per_one_and_cos * a.per_one_and_cos).max(top);
+        let t_d = per_m * ends(|a| a.cos * a.per_one_and_cos);
+        let (s, t) = (self.scale, most.half_tan);
         // w = 1 − α(r), its first and second derivative
         let alpha = self.alpha_at(r0);
         let w = 1.0 - self.alpha_at(r1);
@@ -111,12 +108,32 @@ impl DeformedMap {
     }
 }
 
+/// An angle φ from straight down, by what the derivatives need of it.
+struct Angle {
+    sin: f64,
+    cos: f64,
+    /// tan(φ/2).
+    half_tan: f64,
+    /// 1 / (1 + cos φ).
+    per_one_and_cos: f64,
+}
+
+impl Angle {
+    #[inline]
+    fn of(d_m: f64, depth_m: f64) -> Self {
+        let (half_tan, per_m) = (half_tangent(d_m, depth_m), 1.0 / slant(d_m, depth_m));
+        let per_one_and_cos = 0.5 + 0.5 * half_tan * half_tan;
+        Self { sin: d_m * per_m, cos: depth_m * per_m, half_tan, per_one_and_cos }
+    }
+}
+
 /// Greatest (1 − cos φ) / d for distances in a range and depths of at least `depth_m`.
 fn steepest(d0: f64, d1: f64, depth_m: f64) -> f64 {
-    if depth_m <= 0.0 {
-        // rises without bound towards the ring
-        return if d0 > 0.0 { (1.0 - depth_m / d0.hypot(depth_m)) / d0 } else { f64::INFINITY };
+    // above the eye it rises without bound towards the ring
+    let d = if depth_m <= 0.0 { d0 } else { (STEEPEST * depth_m).clamp(d0, d1) };
+    if d <= 0.0 {
+        return if depth_m <= 0.0 { f64::INFINITY } else { 0.0 };
     }
-    let d = (STEEPEST * depth_m).clamp(d0, d1);
-    if d > 0.0 { (1.0 - depth_m / d.hypot(depth_m)) / d } else { 0.0 }
+    // 1 − cos φ = sin φ · tan(φ/2)
+    half_tangent(d, depth_m) / slant(d, depth_m)
 }

@@ -11,6 +11,9 @@ use yamanami_core::{NestedField, NodeId};
 /// Heights beyond this are refused, metres either way.
 const MAX_HEIGHT_M: f32 = 500_000.0;
 
+/// Summits count by at most this many times their prominence: enough to keep all, and finite.
+const MAX_FACTOR: f32 = 1000.0;
+
 /// How to build.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct BuildOptions {
@@ -19,11 +22,13 @@ pub struct BuildOptions {
 }
 
 /// Summits and their key saddles count by their prominence: where one is no vertex, the surface counts as off by at least
-/// this share of it. So they, and what leads to them, stay in coarser fronts than their error alone would keep them in.
+/// so many times it. So they, and the triangles along the ridges to them, stay in coarser fronts than their error alone
+/// would keep them in. Errors only grow, and stay bounds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SummitRule {
-    /// Share of the prominence, 0 to 1.
-    pub share: f32,
+    /// Factor on the prominence, from 0 on: a summit is off by about its prominence where it is cut off, so that below 1
+    /// few are kept longer.
+    pub factor: f32,
     /// Summits of less prominence do not count, metres.
     pub min_prominence_m: f64,
 }
@@ -114,19 +119,33 @@ fn fill_block(ground: &Ground, diamonds: &Diamonds, block: Block, data: &mut [No
 /// What a node is by itself; its error is not lowered.
 fn weigh(ground: &Ground, diamonds: &Diamonds, place: Place, node: &mut NodeData) {
     let (d, k) = (diamond(place), (place[0] | place[1]).trailing_zeros());
-    let z = ground.height_m(place);
+    let (z, farthest) = (ground.height_m(place), place[0].abs().max(place[1].abs()));
     let [a, b] = d.ends.map(|p| ground.height_m(p));
     (node.low_m, node.high_m) = (z.min(a).min(b), z.max(a).max(b));
+    if k <= ground.grids() && farthest <= diamonds.reach(k) << k {
+        // the samples of its own lattice are its vertex and its children's
+        node.error_m =
+            node.error_m.max(rounded_up(0.5 * ((f64::from(z) - f64::from(a)) + (f64::from(z) - f64::from(b)))));
+    }
     for apex in diamonds.apexes(&d) {
         let c = ground.height_m(apex);
         (node.low_m, node.high_m) = (node.low_m.min(c), node.high_m.max(c));
         node.rise_m = node.rise_m.max(a.max(b).max(c) - a.min(b).min(c));
-        // samples of wider grids are no finer than the triangle
-        for grid in 1..=k.min(ground.grids()) {
+        // samples of wider grids are no finer than the triangle, those of narrower ones may be elsewhere
+        for grid in 1..=(k - 1).min(ground.grids()) {
             let reach = diamonds.reach(grid);
-            node.error_m = node.error_m.max(distance_m(ground, d.ends, place, apex, grid, reach));
+            if farthest - (1 << k) <= reach << grid {
+                node.error_m = node.error_m.max(rounded_up(distance_m(ground, d.ends, place, apex, grid, reach)));
+            }
         }
     }
+}
+
+/// A distance in f32, never below the true one.
+#[inline]
+fn rounded_up(distance_m: f64) -> f32 {
+    let (exact, short) = (distance_m.abs(), distance_m.abs() as f32);
+    if f64::from(short) < exact { short.next_up() } else { short }
 }
 
 /// Nested circles: a child's centre is a step off, and its circle is inside.
@@ -144,7 +163,7 @@ fn shapes(base: u32, unit_m: f64) -> Vec<[LevelShape; 2]> {
     out
 }
 
-/// Starts the errors of summits and key saddles at their share of the prominence, grid by grid.
+/// Starts the errors of summits and key saddles at a multiple of the prominence, grid by grid.
 fn raise_summits(ground: &Ground, diamonds: &Diamonds, rule: SummitRule, data: &mut [NodeData]) {
     for k in 1..=ground.grids() {
         let half = ground.grid(k).half() as i32;
@@ -154,7 +173,7 @@ fn raise_summits(ground: &Ground, diamonds: &Diamonds, rule: SummitRule, data: &
                 let place = [(column as i32 - half) << k, (half - row as i32) << k];
                 if let Some(node) = diamonds.number(place) {
                     let error_m = &mut data[node as usize].error_m;
-                    *error_m = error_m.max(rule.share.clamp(0.0, 1.0) * summit.prominence_m as f32);
+                    *error_m = error_m.max(rule.factor.clamp(0.0, MAX_FACTOR) * summit.prominence_m as f32);
                 }
             }
         }

@@ -29,24 +29,22 @@ struct Rows {
 
 /// Greatest vertical distance in metres between a triangle (ends of its longest edge, middle of it, right-angled corner)
 /// and the samples of spacing `2^k` units under it that lie within `reach` steps from the centre.
-pub(super) fn distance_m(ground: &Ground, ends: [Place; 2], middle: Place, apex: Place, k: u32, reach: i32) -> f32 {
+pub(super) fn distance_m(ground: &Ground, ends: [Place; 2], middle: Place, apex: Place, k: u32, reach: i32) -> f64 {
     let rows = rows(ground, ends, middle, apex, k);
-    let low = |v: i32, goes: bool| if goes { (v - rows.n).max(-reach) } else { v };
-    let high = |v: i32, goes: bool| if goes { (v + rows.n).min(reach) } else { v };
+    let [below, above] = [rows.down, rows.up].map(|goes| if goes { rows.n } else { 0 });
     let mut worst = 0.0;
-    for y in low(rows.anchor[1], rows.down)..=high(rows.anchor[1], rows.up) {
+    for y in (rows.anchor[1] - below).max(-reach)..=(rows.anchor[1] + above).min(reach) {
         let reach_x = rows.n - (y - rows.anchor[1]).abs();
         let first = if rows.left { rows.anchor[0] - reach_x } else { rows.anchor[0] };
         let last = if rows.right { rows.anchor[0] + reach_x } else { rows.anchor[0] };
         let (first, last) = (first.max(-reach), last.min(reach));
-        if y.abs() > reach || first > last {
+        if first > last {
             continue;
         }
         let z = rows.z + rows.east * f64::from(first - rows.anchor[0]) + rows.north * f64::from(y - rows.anchor[1]);
         worst = row_distance(row_of(ground.grid(k), y, [first, last]), z, rows.east).max(worst);
     }
-    // never below the true one
-    if f64::from(worst as f32) < worst { (worst as f32).next_up() } else { worst as f32 }
+    worst
 }
 
 /// Heights of a row's samples, both ends included.
