@@ -30,13 +30,14 @@ pub(crate) fn measure(
     summits: &[Summit],
 ) -> Result<Vec<Mode>, Error> {
     let ours = PeakRule::Summits { min_prominence_m: MIN_PROMINENCE_M };
-    let (printed, measured) = (&tables.printed, &tables.measured);
-    let ways: [(&BandTable, PeakRule, &str, &str); 5] = [
+    let (printed, measured, bent) = (&tables.printed, &tables.measured, &tables.bent);
+    let ways: [(&BandTable, PeakRule, &str, &str); 6] = [
         (printed, PeakRule::Paper, "table 1, the paper's peaks", "printed_paper"),
         (printed, PeakRule::None, "table 1, own heights", "printed_none"),
         (printed, ours, "table 1, summits alone", "printed_summits"),
         (measured, PeakRule::Paper, "measured table, the paper's peaks", "measured_paper"),
         (measured, PeakRule::None, "measured table, own heights", "measured_none"),
+        (bent, PeakRule::None, "measured table with bend, own heights", "bent_none"),
     ];
     let counted: Vec<Summit> = summits.iter().copied().filter(|s| s.prominence_m >= MIN_PROMINENCE_M).collect();
     let one = |(table, peaks, name, file): (&BandTable, _, _, _)| {

@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 use yamanami_core::{FieldLevel, MapView};
-use yamanami_lod::{BandRule, BandTable, SlopeDeviation, band_error_px};
+use yamanami_lod::{BandRule, BandTable, MiddleReading, SlopeDeviation, band_error_px};
 use yamanami_measure::{SigmaRow, slope_sigma};
 
 /// Half the side of the square in which σ is measured, metres: the paper's is 40 km wide.
@@ -22,9 +22,13 @@ pub(crate) struct Tables {
     /// σ over all of the map.
     pub(crate) all: Vec<SigmaRow>,
     pub(crate) printed: BandTable,
+    /// By the rule, on this ground, counting height alone…
     pub(crate) measured: BandTable,
-    /// Figure 11: distance (m) and expected error (px) under the printed and the measured table.
-    pub(crate) expected: [Vec<[f64; 2]>; 2],
+    /// … and with what the projection bends.
+    pub(crate) bent: BandTable,
+    /// Figure 11: distance (m) and expected error (px) under the printed and both measured tables; of height alone, and in
+    /// the last with the bend.
+    pub(crate) expected: [Vec<[f64; 2]>; 3],
 }
 
 impl Tables {
@@ -38,9 +42,15 @@ impl Tables {
             rough.iter().map(|row| SlopeDeviation { hypotenuse_m: row.hypotenuse_m, sigma: row.sigma }).collect();
         let rule = BandRule { rim_m: view.rim_m, ..BandRule::paper(view.ring_px) };
         let printed = BandTable::paper();
-        let measured = BandTable::measured(&view.map, &rule, &deviations);
-        let expected = [&printed, &measured].map(|table| expected(table, view, &deviations));
-        Self { square, rough, all, printed, measured, expected }
+        let of = |reading| BandTable::measured(&view.map, &BandRule { reading, ..rule }, &deviations);
+        let (measured, bent) = (of(MiddleReading::Ground), of(MiddleReading::Hypotenuse));
+        let expected = [
+            (&printed, MiddleReading::Ground),
+            (&measured, MiddleReading::Ground),
+            (&bent, MiddleReading::Hypotenuse),
+        ]
+        .map(|(table, reading)| expected(table, view, &deviations, reading));
+        Self { square, rough, all, printed, measured, bent, expected }
     }
 }
 
@@ -58,12 +68,12 @@ fn roughest(grid: &FieldLevel, rim_m: f64) -> (DVec2, Vec<SigmaRow>) {
 }
 
 /// e by distance: of the triangles that the table draws there.
-fn expected(table: &BandTable, view: &MapView, deviations: &[SlopeDeviation]) -> Vec<[f64; 2]> {
+fn expected(table: &BandTable, view: &MapView, deviations: &[SlopeDeviation], reading: MiddleReading) -> Vec<[f64; 2]> {
     let steps = (view.rim_m / STEP_M) as usize;
     let error_px = |r_m: f64| {
         let drawn_m = yamanami_lod::hypotenuse_m(table.block_m, table.level_at(r_m));
         let deviation = deviations.iter().find(|d| (d.hypotenuse_m / drawn_m - 1.0).abs() < 0.01)?;
-        Some(band_error_px(&view.map, view.ring_px, *deviation, r_m))
+        Some(band_error_px(&view.map, view.ring_px, *deviation, r_m, reading))
     };
     (0..steps).map(|i| STEP_M * i as f64).map(|r_m| [r_m, error_px(r_m).unwrap_or(0.0)]).collect()
 }
