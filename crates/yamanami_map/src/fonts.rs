@@ -49,6 +49,11 @@ impl Fonts {
         Ok(Self { own: Some(own), families: families(&database), database: Arc::new(database) })
     }
 
+    /// The font files that ship with the project, first choice first, for programs that letter windows.
+    pub fn shipped_files() -> [&'static [u8]; 2] {
+        SHIPPED
+    }
+
     /// Names of the families, first choice first, as SVG's `font-family` takes them.
     pub(crate) fn families(&self) -> String {
         let quoted: Vec<String> = self.families.iter().map(|f| format!("'{}'", f.replace('\'', ""))).collect();

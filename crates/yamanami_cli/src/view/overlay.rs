@@ -12,7 +12,7 @@ const HELD: Color32 = Color32::from_rgb(255, 196, 64);
 const SHADE: Color32 = Color32::from_black_alpha(150);
 
 /// Keys and mouse, for the help.
-const HELP: [(&str, &str); 18] = [
+pub(super) const HELP: [(&str, &str); 18] = [
     ("drag left", "orbit; in flight look around"),
     ("drag right or middle", "move along the land"),
     ("wheel, pinch", "nearer to the cursor's point; in flight the pace"),
@@ -32,6 +32,9 @@ const HELP: [(&str, &str); 18] = [
     ("M", "side panel"),
     ("H or F1", "this help"),
 ];
+
+/// And the line under them.
+pub(super) const HELP_LINE: &str = "Drop an image on the window to lay it over the land, a path (.json) to fly it.";
 
 /// Draws the edges of a held view and where its corners meet the land.
 pub(super) fn held_view(painter: &Painter, rect: Rect, view: &View, held: &View, ground: &Ground<'_>) {
@@ -79,10 +82,8 @@ fn projected(view: &View, rect: Rect, from: DVec3, to: DVec3) -> Option<[Pos2; 2
     Some([place(from), place(to)])
 }
 
-/// A needle to the north in the upper right corner.
-pub(super) fn compass(painter: &Painter, rect: Rect, view: &View) {
-    let forward = view.forward();
-    let heading_rad = forward.x.atan2(forward.y) as f32;
+/// A needle to the north in the upper right corner; the azimuth that points up in radians clockwise from north.
+pub(super) fn compass(painter: &Painter, rect: Rect, heading_rad: f32) {
     let (centre, radius) = (rect.right_top() + vec2(-38.0, 38.0), 15.0);
     let north = vec2(-heading_rad.sin(), -heading_rad.cos());
     let side = vec2(-north.y, north.x) * 4.5;
@@ -124,8 +125,8 @@ pub(super) fn place(subject: &impl Subject, point: DVec3) -> String {
     }
 }
 
-/// The window with keys and mouse.
-pub(super) fn help(ui: &egui::Ui, open: &mut bool) {
+/// The window with keys and mouse, and a line under it.
+pub(super) fn help(ui: &egui::Ui, open: &mut bool, keys: &[(&str, &str)], line: &str) {
     egui::Window::new("Keys and mouse")
         .open(open)
         .collapsible(false)
@@ -133,14 +134,14 @@ pub(super) fn help(ui: &egui::Ui, open: &mut bool) {
         .anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0))
         .show(ui, |ui| {
             egui::Grid::new("help").num_columns(2).spacing([24.0, 4.0]).show(ui, |ui| {
-                for (keys, what) in HELP {
-                    ui.strong(keys);
-                    ui.label(what);
+                for (keys, what) in keys {
+                    ui.strong(*keys);
+                    ui.label(*what);
                     ui.end_row();
                 }
             });
             ui.separator();
-            ui.label("Drop an image on the window to lay it over the land, a path (.json) to fly it.");
+            ui.label(line);
         });
 }
 
