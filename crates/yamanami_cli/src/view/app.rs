@@ -290,7 +290,7 @@ impl<S: Subject> Viewer<S> {
             overlay::held_view(&painter, rect, view, held, &ground);
         }
         let forward = view.forward();
-        overlay::compass(&painter, rect, forward.x.atan2(forward.y) as f32);
+        let _ = overlay::compass(&painter, rect, forward.x.atan2(forward.y) as f32);
         let mode = if self.rig.mode() == Mode::Fly { format!("flight x{:.1}, ", self.rig.pace) } else { String::new() };
         let above_m = view.eye.z - ground.height_m(view.eye.truncate());
         let above = if ground.holds(view.eye.truncate()) { format!(" ({above_m:.0} m up)") } else { String::new() };

@@ -1,7 +1,7 @@
 //! What lies over the picture: the frustum of a held front, compass, places, messages and help.
 
 use super::ground::{Ground, ray_through};
-use eframe::egui::{self, Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, pos2, vec2};
+use eframe::egui::{self, Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, Vec2, pos2, vec2};
 use glam::{DVec2, DVec3, DVec4};
 use yamanami::Subject;
 use yamanami::core::{Perspective, Projection, View};
@@ -9,7 +9,7 @@ use yamanami::core::{Perspective, Projection, View};
 /// Colour of the held view's lines.
 const HELD: Color32 = Color32::from_rgb(255, 196, 64);
 /// Background of text over the picture.
-const SHADE: Color32 = Color32::from_black_alpha(150);
+const SHADE: Color32 = Color32::from_black_alpha(190);
 
 /// Keys and mouse, for the help.
 pub(super) const HELP: [(&str, &str); 18] = [
@@ -83,7 +83,8 @@ fn projected(view: &View, rect: Rect, from: DVec3, to: DVec3) -> Option<[Pos2; 2
 }
 
 /// A needle to the north in the upper right corner; the azimuth that points up in radians clockwise from north.
-pub(super) fn compass(painter: &Painter, rect: Rect, heading_rad: f32) {
+/// Gives its place.
+pub(super) fn compass(painter: &Painter, rect: Rect, heading_rad: f32) -> Rect {
     let (centre, radius) = (rect.right_top() + vec2(-38.0, 38.0), 15.0);
     let north = vec2(-heading_rad.sin(), -heading_rad.cos());
     let side = vec2(-north.y, north.x) * 4.5;
@@ -101,6 +102,7 @@ pub(super) fn compass(painter: &Painter, rect: Rect, heading_rad: f32) {
         FontId::proportional(12.0),
         Color32::WHITE,
     );
+    Rect::from_center_size(centre, Vec2::splat(2.0 * (radius + 14.0)))
 }
 
 /// A line of text over the picture.

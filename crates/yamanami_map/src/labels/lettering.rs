@@ -60,7 +60,7 @@ impl Lettering {
         is_hidden: bool,
     ) -> (Self, Option<MissingGlyphs>) {
         let (written, lack) = written_name(style, options.names, place);
-        let (name, part) = parted(&written);
+        let (name, part) = parted_name(&written);
         let is_summit = place.kind == PlaceKind::Summit;
         let mut more = part.map(|part| format!(" {part}")).unwrap_or_default();
         if options.names == NameForm::Both
@@ -68,7 +68,7 @@ impl Lettering {
             && reading != written
             && style.fonts.missing(&reading).is_empty()
         {
-            more += &format!(" {}", parted(&reading).0);
+            more += &format!(" {}", parted_name(&reading).0);
         }
         let mut numbers = String::new();
         if options.has_numbers && (is_summit || place.kind == PlaceKind::Pass) && place.height_m.is_some() {
@@ -107,7 +107,7 @@ impl Lettering {
 }
 
 /// A mountain and, in brackets after it, which of its summits.
-fn parted(name: &str) -> (&str, Option<&str>) {
+pub fn parted_name(name: &str) -> (&str, Option<&str>) {
     let is_opening = |c| matches!(c, '<' | '(' | '（' | '〈' | '＜');
     match name.char_indices().find(|&(at, c)| at > 0 && is_opening(c)) {
         Some((at, c)) => {

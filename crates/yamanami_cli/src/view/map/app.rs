@@ -16,7 +16,7 @@ use eframe::wgpu;
 use glam::DVec2;
 use std::sync::Arc;
 use yamanami::Error;
-use yamanami::core::{DeformedMap, MapView};
+use yamanami::core::{DeformedMap, MapFault, MapView};
 use yamanami::map::{Fonts, HorizonTable};
 
 /// Longest frame that counts, seconds: after a stall nothing leaps.
@@ -55,7 +55,7 @@ pub(super) struct MapViewer {
     /// The picture shown last: of a map that the ground can be shown by.
     view: Option<MapView>,
     /// Why it is not that asked for.
-    fault: Option<String>,
+    fault: Option<MapFault>,
     /// On the way to another centre: from, to, seconds behind.
     glide: Option<(DVec2, DVec2, f64)>,
     sweep_s: f64,
@@ -210,7 +210,7 @@ impl MapViewer {
                 asked
             }
             (Err(fault), Some(view)) => {
-                self.fault = Some(fault.to_string());
+                self.fault = Some(fault);
                 view.map
             }
             // the first was checked before the window opened
@@ -268,15 +268,16 @@ impl MapViewer {
                 overlay::lines(&painter, screen, view, &self.stage.lines, self.stage.field(), table);
             }
         }
+        let mut taken = Vec::new();
         if self.settings.rings {
-            overlay::rings(&painter, screen, view);
+            taken.extend(overlay::rings(&painter, screen, view));
         }
         if self.settings.compass {
-            overlay::bearings(&painter, screen, view, self.stage.top_m);
-            common::compass(&painter, screen.rect, view.up_azimuth_rad as f32);
+            taken.extend(overlay::bearings(&painter, screen, view, self.stage.top_m));
+            taken.push(common::compass(&painter, screen.rect, view.up_azimuth_rad as f32));
         }
         if self.settings.names {
-            self.names.draw(&painter, screen, &self.stage, view, &self.settings);
+            self.names.draw(&painter, screen, &self.stage, view, &self.settings, taken);
         }
         if let Some(pinned) = &self.pinned {
             let px = view.px_from_plane(pinned.place(&self.stage.plane));
@@ -340,7 +341,7 @@ impl eframe::App for MapViewer {
                 plots: &self.plots,
                 last: self.last,
                 view: self.view.as_ref(),
-                fault: self.fault.as_deref(),
+                fault: self.fault.as_ref(),
                 is_reading: self.loader.is_busy(),
             };
             let (settings, pose) = (&mut self.settings, &mut self.pose);

@@ -7,7 +7,7 @@ use eframe::egui::{Align2, Color32, Painter, Pos2, Rect, Stroke, Vec2, pos2, vec
 use glam::{DVec2, DVec3};
 use std::collections::{HashMap, HashSet};
 use yamanami::core::{DeformedMap, MapView, NamedPlace, PlaceKind};
-use yamanami::map::{SeenFrom, Sightline};
+use yamanami::map::{SeenFrom, Sightline, parted_name};
 
 /// Eyes of somebody who stands there, metres above the ground.
 const EYES_M: f64 = 1.7;
@@ -20,6 +20,8 @@ const ROOM: Vec2 = vec2(3.0, 1.0);
 const STAYS: f64 = 1.3;
 /// No more names are tried, as a multiple of the most shown.
 const TRIED: usize = 12;
+/// One name is not shown twice within this distance, points.
+const APART: f32 = 120.0;
 const INK: Color32 = Color32::from_rgb(24, 30, 44);
 const GREY: Color32 = Color32::from_rgb(120, 124, 134);
 /// From a mark to its name: the corner of the name held there, and how far away, points.
@@ -41,9 +43,9 @@ struct Boxes {
 }
 
 impl Boxes {
-    /// An empty picture.
-    fn new(area: Rect) -> Self {
-        Self { area, taken: Vec::new() }
+    /// A picture where some places are taken.
+    fn new(area: Rect, taken: Vec<Rect>) -> Self {
+        Self { area, taken }
     }
 
     /// Room for a name of this size beside its mark, if there is any.
@@ -77,7 +79,7 @@ pub(super) struct Names {
 }
 
 impl Names {
-    /// Draws the names that fit.
+    /// Draws the names that fit beside what is taken already.
     pub(super) fn draw(
         &mut self,
         painter: &Painter,
@@ -85,9 +87,10 @@ impl Names {
         stage: &Stage,
         view: &MapView,
         settings: &Settings,
+        taken: Vec<Rect>,
     ) {
         self.forget_if_other(stage, view, settings);
-        let mut boxes = Boxes::new(screen.rect);
+        let mut boxes = Boxes::new(screen.rect, taken);
         let weight = |k: usize| stage.names[k].rank.unwrap_or(0.0) * if self.shown.contains(&k) { STAYS } else { 1.0 };
         let mut order: Vec<usize> =
             (0..stage.names.len()).filter(|&k| screen.rect.contains(mark(screen, stage, view, k))).collect();
@@ -100,8 +103,13 @@ impl Names {
             let at = mark(screen, stage, view, k);
             let place = &stage.names[k];
             // first what costs least
-            let galley = painter.layout_no_wrap(place.name.clone(), letters(SIZE), INK);
+            let galley = painter.layout_no_wrap(short(place).to_owned(), letters(SIZE), INK);
             let Some(rect) = boxes.find(at, galley.size()) else { continue };
+            // several summits of one mountain
+            let is_same = |&other: &usize| short(&stage.names[other]) == short(place);
+            if shown.iter().filter(|k| is_same(k)).any(|&k| (mark(screen, stage, view, k) - at).length() < APART) {
+                continue;
+            }
             let is_seen = self.sees(stage, view, settings, k);
             if !is_seen && !settings.hidden {
                 continue;
@@ -170,6 +178,11 @@ fn mark(screen: Screen, stage: &Stage, view: &MapView, k: usize) -> Pos2 {
     screen.pos(px)
 }
 
+/// The mountain without which of its summits.
+fn short(place: &NamedPlace) -> &str {
+    parted_name(&place.name).0
+}
+
 fn draw_one(painter: &Painter, at: Pos2, rect: Rect, place: &NamedPlace, colour: Color32) {
     let nearest = pos2(at.x.clamp(rect.left(), rect.right()), at.y.clamp(rect.top(), rect.bottom()));
     if (nearest - at).length() > 10.0 {
@@ -182,7 +195,7 @@ fn draw_one(painter: &Painter, at: Pos2, rect: Rect, place: &NamedPlace, colour:
     } else {
         painter.circle_filled(at, 0.7 * MARK, colour);
     }
-    overlay::text(painter, rect.min, Align2::LEFT_TOP, &place.name, letters(SIZE), colour);
+    overlay::text(painter, rect.min, Align2::LEFT_TOP, short(place), letters(SIZE), colour);
 }
 
 #[cfg(test)]
@@ -192,7 +205,7 @@ mod tests {
     #[test]
     fn names_lie_in_the_picture_and_never_over_each_other() {
         let area = Rect::from_min_size(Pos2::ZERO, vec2(400.0, 300.0));
-        let mut boxes = Boxes::new(area);
+        let mut boxes = Boxes::new(area, Vec::new());
         let mut put = Vec::new();
         for k in 0..400u32 {
             let at = pos2((k * 37 % 400) as f32, (k * 91 % 300) as f32);

@@ -58,8 +58,8 @@ impl Screen {
     }
 }
 
-/// Dark letters on a light seam.
-pub(super) fn text(painter: &Painter, at: Pos2, anchor: Align2, text: &str, font: FontId, colour: Color32) {
+/// Dark letters on a light seam; gives the place they take.
+pub(super) fn text(painter: &Painter, at: Pos2, anchor: Align2, text: &str, font: FontId, colour: Color32) -> Rect {
     let galley = painter.layout_no_wrap(text.to_owned(), font, colour);
     let rect = anchor.anchor_size(at, galley.size());
     for (dx, dy) in [
@@ -75,10 +75,12 @@ pub(super) fn text(painter: &Painter, at: Pos2, anchor: Align2, text: &str, font
         painter.galley_with_override_text_color(rect.min + 1.2 * vec2(dx, dy), galley.clone(), HALO);
     }
     painter.galley(rect.min, galley, colour);
+    rect
 }
 
-/// Rings of equal distance at sea level.
-pub(super) fn rings(painter: &Painter, screen: Screen, view: &MapView) {
+/// Rings of equal distance at sea level; gives the places of their letters.
+pub(super) fn rings(painter: &Painter, screen: Screen, view: &MapView) -> Vec<Rect> {
+    let mut taken = Vec::new();
     let centre = screen.pos(view.centre_px);
     let radius = |r_m: f64| (view.ring_px * view.map.rho(r_m, 0.0)) as f32 * screen.per_px;
     let mut last = 0.0;
@@ -92,26 +94,35 @@ pub(super) fn rings(painter: &Painter, screen: Screen, view: &MapView) {
             last = here;
             painter.circle_stroke(centre, here, Stroke::new(1.0, RING));
             let label = if r_m < 1000.0 { format!("{r_m:.0} m") } else { format!("{:.0} km", r_m / 1e3) };
-            text(painter, centre + vec2(0.0, here), Align2::CENTER_CENTER, &label, letters(11.0), INK);
+            taken.push(text(painter, centre + vec2(0.0, here), Align2::CENTER_CENTER, &label, letters(11.0), INK));
         }
     }
     // the plain map's own border
     painter.circle_stroke(centre, radius(view.map.ring_m), Stroke::new(1.4, RING));
+    taken
 }
 
-/// Letters of the bearings around the map.
-pub(super) fn bearings(painter: &Painter, screen: Screen, view: &MapView, top_m: f64) {
+/// Letters of the bearings around the map; gives their places.
+pub(super) fn bearings(painter: &Painter, screen: Screen, view: &MapView, top_m: f64) -> Vec<Rect> {
     let centre = screen.pos(view.centre_px);
     let rho = view.map.rho(view.rim_m, top_m).max(view.map.rho(view.rim_m, 0.0));
-    // where the rim lies outside of the window, along the window's border
-    let room = 0.5 * screen.rect.size().min_elem() - 12.0;
-    let radius = ((view.ring_px * rho) as f32 * screen.per_px + 10.0).min(room);
-    for (k, name) in ["N", "NE", "E", "SE", "S", "SW", "W", "NW"].into_iter().enumerate() {
+    let radius = (view.ring_px * rho) as f32 * screen.per_px + 10.0;
+    let room = screen.rect.shrink(14.0);
+    let names = ["N", "NE", "E", "SE", "S", "SW", "W", "NW"].into_iter().enumerate();
+    let put = names.filter(|_| room.contains(centre)).map(|(k, name)| {
         let azimuth = k as f64 * std::f64::consts::FRAC_PI_4 - view.up_azimuth_rad;
-        let at = centre + radius * vec2(azimuth.sin() as f32, -azimuth.cos() as f32);
+        let towards = vec2(azimuth.sin() as f32, -azimuth.cos() as f32);
+        // where the rim lies outside of the window, at the window's border
+        let way = |towards: f32, min: f32, max: f32, from: f32| {
+            let end = if towards > 0.0 { max } else { min };
+            if towards.abs() < 1e-6 { f32::INFINITY } else { (end - from) / towards }
+        };
+        let across = way(towards.x, room.left(), room.right(), centre.x);
+        let at = centre + towards * radius.min(across).min(way(towards.y, room.top(), room.bottom(), centre.y));
         let size = if k % 2 == 0 { 15.0 } else { 11.0 };
-        text(painter, at, Align2::CENTER_CENTER, name, letters(size), if k == 0 { PIN } else { INK });
-    }
+        text(painter, at, Align2::CENTER_CENTER, name, letters(size), if k == 0 { PIN } else { INK })
+    });
+    put.collect()
 }
 
 /// A pinned place.

@@ -5,7 +5,7 @@ use super::pose::Pose;
 use super::settings::Settings;
 use super::stage::{Numbers, Stage};
 use eframe::egui::{self, Slider, SliderClamping, Ui};
-use yamanami::core::{DropFrom, MapView};
+use yamanami::core::{DropFrom, MapFault, MapView};
 
 /// Colour of what is wrong.
 const WARNING: egui::Color32 = egui::Color32::from_rgb(238, 150, 84);
@@ -38,7 +38,7 @@ pub(super) struct Shown<'a> {
     pub(super) last: Option<Numbers>,
     pub(super) view: Option<&'a MapView>,
     /// Why the map is not the one asked for.
-    pub(super) fault: Option<&'a str>,
+    pub(super) fault: Option<&'a MapFault>,
     pub(super) is_reading: bool,
 }
 
@@ -56,17 +56,22 @@ impl Plots {
     fn show(&self, ui: &mut Ui, settings: &Settings) {
         let label = |name, unit, hint| Label { name, unit, hint };
         let budget = settings.budget().map(f64::from);
-        self.triangles.show(ui, label("triangles", "", "Triangles shown; the line is the budget"), budget);
-        let hint = "No ground is drawn further from its place than this; the line is the tolerance";
-        self.error_px.show(ui, label("error left", " px", hint), Some(f64::from(settings.tolerance_px)));
-        self.update_ms.show(ui, label("update", " ms", "Finding the front and changing the mesh"), None);
-        self.bytes.show(ui, label("written", " B", "Bytes written to the graphics device a frame"), None);
-        self.draw_ms.show(ui, label("draw", " ms", "Giving the picture to the graphics device"), None);
-        let name = match self.frame_ms.mean(30) {
-            Some(ms) if ms > 0.0 => format!("frame ({:.0} a second)", 1e3 / ms),
+        let rate = match self.frame_ms.mean(30) {
+            Some(ms) if ms > 0.0 => format!("frame ({:.0}/s)", 1e3 / ms),
             _ => "frame".to_owned(),
         };
-        self.frame_ms.show(ui, Label { name: &name, unit: " ms", hint: "From one picture to the next" }, None);
+        let tolerance = Some(f64::from(settings.tolerance_px));
+        ui.columns(2, |columns| {
+            let [left, right] = columns else { return };
+            let hint = "Triangles shown; the line is the budget";
+            self.triangles.show(left, label("triangles", "", hint), budget);
+            let hint = "No ground is drawn further from its place than this; the line is the tolerance";
+            self.error_px.show(right, label("error left", " px", hint), tolerance);
+            self.update_ms.show(left, label("update", " ms", "Finding the front and changing the mesh"), None);
+            self.bytes.show(right, label("written", " B", "Bytes written to the graphics device a frame"), None);
+            self.draw_ms.show(left, label("draw", " ms", "Giving the picture to the graphics device"), None);
+            self.frame_ms.show(right, label(&rate, " ms", "From one picture to the next"), None);
+        });
     }
 }
 
@@ -119,7 +124,7 @@ fn slider<'a>(value: &'a mut f64, range: std::ops::RangeInclusive<f64>, text: &'
     Slider::new(value, range).clamping(SliderClamping::Edits).text(text)
 }
 
-fn projection(ui: &mut Ui, fault: Option<&str>, settings: &mut Settings) {
+fn projection(ui: &mut Ui, fault: Option<&MapFault>, settings: &mut Settings) {
     ui.horizontal(|ui| {
         ui.add(slider(&mut settings.alpha, 0.0..=1.0, "alpha").fixed_decimals(3))
             .on_hover_text("Share of the plane beyond the ring: 0 a panorama, 1 a map");
@@ -152,8 +157,20 @@ fn projection(ui: &mut Ui, fault: Option<&str>, settings: &mut Settings) {
         slider(&mut settings.refraction, 0.0..=0.3, "refraction").fixed_decimals(3),
     )
     .on_hover_text("Bending of light as a share of the Earth's curvature");
-    if let Some(fault) = fault {
-        ui.colored_label(WARNING, fault);
+    // the line is there always, so that nothing moves when it speaks
+    let (line, whole) = fault.map_or((String::new(), String::new()), |fault| (in_short(fault), fault.to_string()));
+    let line = egui::Label::new(egui::RichText::new(line).color(WARNING)).truncate();
+    let told = ui.add(line);
+    if !whole.is_empty() {
+        told.on_hover_text(whole);
+    }
+}
+
+/// What is wrong, in a line of the panel.
+fn in_short(fault: &MapFault) -> String {
+    match fault {
+        MapFault::AboveTheEye { height_m, .. } => format!("Ground of {height_m:.0} m stands above the eye"),
+        fault => fault.to_string(),
     }
 }
 
