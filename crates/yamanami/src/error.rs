@@ -15,6 +15,9 @@ pub enum Error {
     /// Drawing.
     #[error(transparent)]
     Gpu(#[from] yamanami_gpu::GpuError),
+    /// Making a map.
+    #[error(transparent)]
+    Map(#[from] yamanami_map::MapError),
     /// Measuring.
     #[error(transparent)]
     Measure(#[from] yamanami_measure::MeasureError),

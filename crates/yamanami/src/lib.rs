@@ -15,6 +15,7 @@ mod bench;
 mod camera;
 mod canvas;
 mod data;
+mod deformed;
 mod error;
 mod extract;
 mod field;
@@ -24,9 +25,11 @@ mod full_surface;
 mod ground_image;
 mod hide;
 mod hiraoka;
+mod hori;
 mod large;
 mod large_tin;
 mod look;
+mod map_ground;
 mod mizuno;
 mod mizuno_page;
 mod mizuno_sheet;
@@ -53,6 +56,10 @@ pub use bench::{measure_rate, triangles_at_rate};
 pub use camera::{overview, view_between};
 pub use canvas::{Canvas, DrawWith, Upload};
 pub use data::Data;
+pub use deformed::{
+    BaseOptions, DeformedScene, MadeMap, MapImage, MapJob, MapMesh, MapUpdate, draw_base, lay_lines, lay_places,
+    make_map, rank_by_prominence,
+};
 pub use error::Error;
 pub use extract::{Extracted, Frame, extract, to_frame};
 pub use flight::{FlightMode, FlightOptions, FrameStats, Lod, fly};
@@ -61,9 +68,11 @@ pub use full_surface::{FullSurface, finest_mesh};
 pub use ground_image::{GroundImage, read_picture};
 pub use hide::{Closing, SeenSide, close, seen_side};
 pub use hiraoka::hiraoka;
+pub use hori::hori;
 pub use large::{LargeOptions, LargeReport, LargeTarget, reduce_large};
 pub use large_tin::{FileTiles, GridTiles, TinFacts, TinTiles, build_tiles};
 pub use look::{LookLimits, LookSame, Original, Probe, look_same, worst_of};
+pub use map_ground::{MapGround, MapGroundOptions, MapSource, MapSources, NoData};
 pub use mizuno::{MizunoModel, mizuno};
 pub use model::{Model, ModelBuild, ModelStoreOptions, ModelStored};
 pub use model_picture::{MODEL_BACKGROUND, coloured_style, model_pixels, model_style};
@@ -92,7 +101,8 @@ pub use yamanami_core as core;
 pub use yamanami_gpu as gpu;
 pub use yamanami_io as io;
 pub use yamanami_lod::{
-    Controller, Criteria, FrameReport, Front, LimitedBy, PaperController, Staircase, Step, ViewCriterion,
+    Band, BandRule, BandTable, Controller, Criteria, FrameReport, Front, LimitedBy, MapCriterion, PaperController,
+    SlopeDeviation, Staircase, Step, ViewCriterion,
 };
 pub use yamanami_map as map;
 pub use yamanami_measure as measure;

@@ -118,6 +118,15 @@ pub(crate) fn count(n: u64) -> String {
     text
 }
 
+/// Writes a table beside the page: a line of names, then rows.
+pub(crate) fn write_csv(path: &Path, head: &str, rows: &[Vec<String>]) -> Result<(), Error> {
+    let mut text = format!("{head}\n");
+    for row in rows {
+        let _ = writeln!(text, "{}", row.join(","));
+    }
+    std::fs::write(path, text).map_err(|source| Error::File { path: path.to_owned(), source })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

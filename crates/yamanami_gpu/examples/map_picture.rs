@@ -61,6 +61,20 @@ fn main() -> Result<(), Box<dyn Error>> {
         );
     }
     picture.save(output)?;
+    #[cfg(feature = "wgpu")]
+    if has("gpu") {
+        let gpu = yamanami_gpu::Gpu::headless()?;
+        let mut mesh = yamanami_gpu::ResidentMesh::with_buffers(&gpu, buffers);
+        mesh.flush()?;
+        let mut renderer = yamanami_gpu::MapRenderer::new(&gpu);
+        renderer.render_to_image(&mesh, &view, &options)?;
+        let start = Instant::now();
+        let drawn = renderer.render_to_image(&mesh, &view, &options)?;
+        println!("on {} with read-back: {:?}", gpu.description(), start.elapsed());
+        drawn.save(std::path::Path::new(output).with_extension("gpu.png"))?;
+        let difference: u64 = drawn.iter().zip(picture.iter()).map(|(a, b)| u64::from(a.abs_diff(*b))).sum();
+        println!("mean difference to software: {:.4} of 255", difference as f64 / drawn.len() as f64);
+    }
     Ok(())
 }
 

@@ -44,7 +44,7 @@ pub use drape::Drape;
 pub use error::GpuError;
 pub use frame::depth_planes_m;
 #[cfg(feature = "wgpu")]
-pub use gpu::{Gpu, Renderer, ResidentMesh, UploadStats};
+pub use gpu::{Gpu, MapRenderer, Renderer, ResidentMesh, UploadStats};
 pub use map::{Hidden, HorizonTable, MAX_TEXTURES, MapOptions, MapTexture, MapTextures, Veil};
 pub use morph::{Morph, morph_weight, morphed_height_m};
 pub use normals::vertex_normals;

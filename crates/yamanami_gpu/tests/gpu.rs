@@ -4,6 +4,7 @@
 mod common;
 
 use common::Walk;
+use common::target::{drawn_on, mean_difference, plain_gpu};
 use glam::DVec3;
 use image::RgbaImage;
 use std::sync::Arc;
@@ -25,17 +26,6 @@ fn gpu() -> Option<Gpu> {
             None
         }
     }
-}
-
-/// A device without compute shaders and storage buffers, as in a browser with WebGL 2.
-fn plain_gpu() -> Option<Gpu> {
-    use yamanami_gpu::wgpu;
-    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
-    let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default())).ok()?;
-    let required_limits = wgpu::Limits::downlevel_webgl2_defaults();
-    let descriptor = wgpu::DeviceDescriptor { required_limits, ..wgpu::DeviceDescriptor::default() };
-    let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).ok()?;
-    Some(Gpu::from_device(device, queue))
 }
 
 #[test]
@@ -169,37 +159,11 @@ fn a_target_without_srgb_shows_the_same_picture() {
     let hills = common::hills(30, 5000.0);
     let mut mesh = ResidentMesh::with_buffers(&gpu, ResidentBuffers::from_mesh(&hills));
     mesh.flush().unwrap();
-    let (width, height) = (128, 72);
-    let view = common::view_of(&hills, DVec3::new(0.3, -0.9, 0.6), [width, height]);
-    let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
-    let format = wgpu::TextureFormat::Rgba8Unorm;
-    let texture = gpu.device().create_texture(&wgpu::TextureDescriptor {
-        label: None,
-        size,
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
-        view_formats: &[],
+    let view = common::view_of(&hills, DVec3::new(0.3, -0.9, 0.6), [128, 72]);
+    let (format, options) = (wgpu::TextureFormat::Rgba8Unorm, RenderOptions::default());
+    let drawn = drawn_on(&gpu, view.viewport_px, format, |target| {
+        Renderer::new(&gpu).draw(target, format, &mesh, &view, &options).unwrap();
     });
-    let target = texture.create_view(&wgpu::TextureViewDescriptor::default());
-    let options = RenderOptions::default();
-    Renderer::new(&gpu).draw(&target, format, &mesh, &view, &options).unwrap();
-    // A row of 128 pixels is 512 bytes, so that rows need no padding.
-    let copy = gpu.device().create_buffer(&wgpu::BufferDescriptor {
-        label: None,
-        size: u64::from(width * height * 4),
-        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
-        mapped_at_creation: false,
-    });
-    let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(width * 4), rows_per_image: None };
-    let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    encoder.copy_texture_to_buffer(texture.as_image_copy(), wgpu::TexelCopyBufferInfo { buffer: &copy, layout }, size);
-    gpu.queue().submit([encoder.finish()]);
-    copy.map_async(wgpu::MapMode::Read, .., |result| result.unwrap());
-    gpu.device().poll(wgpu::PollType::wait_indefinitely()).unwrap();
-    let drawn = RgbaImage::from_raw(width, height, copy.get_mapped_range(..).unwrap().to_vec()).unwrap();
     let reference = software::render_to_image(mesh.buffers(), &view, &options).unwrap();
     assert!(mean_difference(&drawn, &reference) < 1.0);
 }
@@ -216,10 +180,4 @@ fn sizes_that_cannot_be_drawn_and_empty_meshes_are_handled() {
     let too_wide = yamanami_core::View { viewport_px: [1 << 20, 8], ..view };
     let error = renderer.render_to_image(&mesh, &too_wide, &options).unwrap_err();
     assert!(matches!(error, GpuError::PictureSize { .. }));
-}
-
-fn mean_difference(a: &RgbaImage, b: &RgbaImage) -> f64 {
-    assert_eq!(a.dimensions(), b.dimensions());
-    let sum: u64 = a.iter().zip(b.iter()).map(|(a, b)| u64::from(a.abs_diff(*b))).sum();
-    sum as f64 / a.len() as f64
 }

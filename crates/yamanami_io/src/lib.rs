@@ -1,11 +1,12 @@
 //! File formats in and out, and the surface database.
 //!
-//! [`dem`] reads elevation grids, [`mesh_file`] reads and writes meshes, [`tin_file`] TINs, [`points`] reads survey points and breaklines, [`store`] is the surface database,
+//! [`dem`] reads elevation grids, [`mesh_file`] reads and writes meshes, [`tin_file`] TINs, [`points`] reads survey points and breaklines, [`geodata`] named places and lines for maps, [`store`] is the surface database,
 //! [`progressive`] the file of a semi-regular model of which any prefix is one; [`crs`] knows coordinate reference systems by EPSG code.
 
 pub mod crs;
 pub mod dem;
 mod error;
+pub mod geodata;
 pub mod mesh_file;
 pub mod points;
 pub mod progressive;

@@ -3,7 +3,8 @@
 //! Based on: Hori, Okajima, Miyamura, Furuya, Saito, "LoD control for large-area deformed map" (equations (4), (5), table
 //! 1). A hypotenuse a that is not split hides, typically, a height h = (a/2)·σ(a), with σ the deviation of slopes
 //! measured on real terrain. It is split where h moves the picture by 1.5 pixels or more:
-//! e = P·|ρ(r; z = h) − ρ(r; z = 0)|. The paper prints the table for one map; here it follows from map, picture and σ.
+//! e = P·|ρ(r; z = h) − ρ(r; z = 0)|, or as [`MiddleReading`] has it. The paper prints the table for one map; here it
+//! follows from map, picture and σ.
 //!
 //! The radius of the plain map (D_R) is the projection's; the *coarse centre*, where the paper draws large triangles
 //! since height does not show there, is the table's. They are different numbers (10 km and 3.2 km), and kept apart.
@@ -50,9 +51,22 @@ pub struct SlopeDeviation {
     pub sigma: f64,
 }
 
+/// What the height at a hypotenuse's middle is held against: the paper says only "the error at the middle".
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum MiddleReading {
+    /// The picture of the same place without the height: what height alone does.
+    #[default]
+    Ground,
+    /// The middle of the hypotenuse as it is drawn, laid along the radius, whether the height is above or below it: what
+    /// the bend of the projection does as well. On gentle ground that is the greater part, near the ring above all.
+    Hypotenuse,
+}
+
 /// What a table is measured for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BandRule {
+    /// What the error is.
+    pub reading: MiddleReading,
     /// P: radius of the plain map in pixels.
     pub ring_px: f64,
     /// How far ground is drawn, metres from the centre.
@@ -71,6 +85,7 @@ impl BandRule {
     /// The paper's numbers for a picture with this radius of the plain map: 160 km, 1.5 px, blocks of 6.4 km.
     pub fn paper(ring_px: f64) -> Self {
         Self {
+            reading: MiddleReading::Ground,
             ring_px,
             rim_m: 160_000.0,
             split_px: PAPER_SPLIT_PX,
@@ -81,10 +96,25 @@ impl BandRule {
     }
 }
 
-/// e: how far, in pixels, the picture moves at a distance when the height a hypotenuse typically hides is left out.
-pub fn band_error_px(map: &DeformedMap, ring_px: f64, deviation: SlopeDeviation, r_m: f64) -> f64 {
-    let h_m = 0.5 * deviation.hypotenuse_m * deviation.sigma;
-    ring_px * (map.rho(r_m, h_m) - map.rho(r_m, 0.0)).abs()
+/// e: how far, in pixels, the picture is off at a distance when the height a hypotenuse typically hides is left out.
+pub fn band_error_px(
+    map: &DeformedMap,
+    ring_px: f64,
+    deviation: SlopeDeviation,
+    r_m: f64,
+    reading: MiddleReading,
+) -> f64 {
+    let half_m = 0.5 * deviation.hypotenuse_m;
+    let h_m = half_m * deviation.sigma;
+    let rho = |r_m: f64, z_m: f64| map.rho(r_m.abs(), z_m).copysign(r_m);
+    let error = match reading {
+        MiddleReading::Ground => (rho(r_m, h_m) - rho(r_m, 0.0)).abs(),
+        MiddleReading::Hypotenuse => {
+            let drawn = 0.5 * (rho(r_m - half_m, 0.0) + rho(r_m + half_m, 0.0));
+            (rho(r_m, h_m) - drawn).abs().max((rho(r_m, -h_m) - drawn).abs())
+        }
+    };
+    ring_px * error
 }
 
 impl BandTable {
@@ -190,7 +220,7 @@ fn level_of(block_m: f64, hypotenuse_m: f64) -> Option<u32> {
 
 /// Distance within which triangles of this size must be split: e reaches the threshold there, and nowhere further out.
 fn split_within_m(map: &DeformedMap, rule: &BandRule, deviation: SlopeDeviation) -> f64 {
-    let too_far_off = |r_m: f64| band_error_px(map, rule.ring_px, deviation, r_m) >= rule.split_px;
+    let too_far_off = |r_m: f64| band_error_px(map, rule.ring_px, deviation, r_m, rule.reading) >= rule.split_px;
     if too_far_off(rule.rim_m) {
         return rule.rim_m;
     }
@@ -235,7 +265,13 @@ mod tests {
 
     #[test]
     fn a_measured_table_keeps_the_threshold_and_wastes_nothing() {
-        let (map, rule) = (DeformedMap::default(), BandRule::paper(330.0));
+        for reading in [MiddleReading::Ground, MiddleReading::Hypotenuse] {
+            keeps_the_threshold(BandRule { reading, ..BandRule::paper(330.0) });
+        }
+    }
+
+    fn keeps_the_threshold(rule: BandRule) {
+        let map = DeformedMap::default();
         let table = BandTable::measured(&map, &rule, &sigma());
         assert_eq!((table.bands[0].near_m, table.rim_m()), (0.0, rule.rim_m));
         for pair in table.bands.windows(2) {
@@ -243,7 +279,7 @@ mod tests {
         }
         let error = |level: u32, r_m: f64| {
             let deviation = sigma().into_iter().find(|s| level_of(rule.block_m, s.hypotenuse_m) == Some(level));
-            deviation.map_or(0.0, |s| band_error_px(&map, rule.ring_px, s, r_m))
+            deviation.map_or(0.0, |s| band_error_px(&map, rule.ring_px, s, r_m, rule.reading))
         };
         for band in &table.bands[1..] {
             for i in 0..=20 {
@@ -255,6 +291,16 @@ mod tests {
             }
         }
         assert!(table.bands.len() > 4, "{table:?}");
+    }
+
+    #[test]
+    fn level_ground_bends_too() {
+        let level: Vec<_> = sigma().into_iter().map(|s| SlopeDeviation { sigma: 0.0, ..s }).collect();
+        let rule = BandRule { coarse_m: 0.0, ..BandRule::paper(330.0) };
+        let of = |reading| BandTable::measured(&DeformedMap::default(), &BandRule { reading, ..rule }, &level);
+        assert_eq!(of(MiddleReading::Ground).bands.len(), 1);
+        let bent = of(MiddleReading::Hypotenuse);
+        assert!(bent.bands.len() > 1 && bent.level_at(15_000.0) > 1 && bent.level_at(150_000.0) == 1, "{bent:?}");
     }
 
     #[test]

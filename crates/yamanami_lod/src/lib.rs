@@ -15,7 +15,8 @@ mod paper;
 mod wheel;
 
 pub use bands::{
-    Band, BandRule, BandTable, PAPER_BLOCK_M, PAPER_SPLIT_PX, SlopeDeviation, band_error_px, hypotenuse_m,
+    Band, BandRule, BandTable, MiddleReading, PAPER_BLOCK_M, PAPER_SPLIT_PX, SlopeDeviation, band_error_px,
+    hypotenuse_m,
 };
 pub use controller::{Controller, FrameReport, LimitedBy};
 pub use criteria::{Criteria, MapCriterion, ViewCriterion};

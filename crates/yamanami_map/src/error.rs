@@ -7,4 +7,10 @@ pub enum MapError {
     /// The projection cannot be.
     #[error(transparent)]
     Projection(#[from] yamanami_core::MapFault),
+    /// A font file cannot be read.
+    #[error("font: {0}")]
+    Font(String),
+    /// The picture of the ground could not be packed, or the sheet not written in a format: the format, the cause.
+    #[error("writing {0}: {1}")]
+    Write(&'static str, String),
 }

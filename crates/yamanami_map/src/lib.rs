@@ -5,12 +5,24 @@
 //! triangle.
 #![forbid(unsafe_code)]
 
+mod boxes;
 mod error;
+mod fonts;
+mod furniture;
 mod horizon;
 mod ink;
+mod labels;
+mod lines;
 mod relief;
+mod scene;
+mod sheet;
 
+pub use boxes::OrientedBox;
 pub use error::MapError;
+pub use fonts::Fonts;
 pub use horizon::{HorizonTable, SeenFrom, Sightline};
 pub use ink::{InkStyle, ink};
+pub use labels::{Label, MissingGlyphs, Outcome};
 pub use relief::{GroundPicture, ReliefStyle, TintStop, paint};
+pub use scene::{Anchor, Colour, Fill, Outline, PackedBase, Run, Scene, Shape, Stroke, Text, encode_png};
+pub use sheet::{BearingRing, Composed, HiddenNames, Language, NameForm, Sheet, SheetOptions};

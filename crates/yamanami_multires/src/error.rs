@@ -118,6 +118,14 @@ pub enum MultiresError {
         /// How many there may be.
         most: u64,
     },
+    /// Blocks that are no power of two of the grid's samples.
+    #[error("blocks of {block_m} m: expected a power of two, 2 to 2^20, of the grid's spacing of {spacing_m} m")]
+    BadBlockSize {
+        /// Side of a block, metres.
+        block_m: f64,
+        /// Spacing of the grid, metres.
+        spacing_m: f64,
+    },
     /// Blocks without a size.
     #[error("block borders must go up from one to the next: given {} m, then {} m", borders_m[0], borders_m[1])]
     BadBlocks {

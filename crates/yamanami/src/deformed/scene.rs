@@ -120,8 +120,7 @@ impl DeformedScene {
     /// How far, in pixels, the picture of a place of this height lies from where the front shows the ground there.
     pub fn error_px_at(&self, view: &MapView, p: DVec3) -> f64 {
         let shown = self.surface.front_at(self.front(), p.truncate());
-        let drawn: DVec2 =
-            (0..3).map(|i| shown.weights[i] * view.map.image_from_plane(shown.corners[i])).sum();
+        let drawn: DVec2 = (0..3).map(|i| shown.weights[i] * view.map.image_from_plane(shown.corners[i])).sum();
         view.ring_px * (view.map.image_from_plane(p) - drawn).length()
     }
 

@@ -5,9 +5,8 @@ use super::drawing::{CULLINGS, SizeFound};
 use super::engine::EngineRow;
 use super::poses::Losses;
 use super::{DRAWN, Findings, PAPER_TRIANGLES, file_name};
-use crate::page::{Page, count};
+use crate::page::{Page, count, write_csv};
 use crate::{Culling, Error};
-use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use yamanami_measure::plot::{Chart, Series, Style, lines};
 use yamanami_multires::tin_block::CostReading;
@@ -43,14 +42,6 @@ fn ground(found: &Findings, page: &mut Page) {
         count(PAPER_TRIANGLES as u64)
     ));
     page.picture("plan.png", "The TIN from above, north up");
-}
-
-fn write_csv(path: &Path, head: &str, rows: &[Vec<String>]) -> Result<(), Error> {
-    let mut text = format!("{head}\n");
-    for row in rows {
-        let _ = writeln!(text, "{}", row.join(","));
-    }
-    std::fs::write(path, text).map_err(|source| Error::File { path: path.to_owned(), source })
 }
 
 /// Methods in the order of the table.

@@ -21,6 +21,9 @@ mod info_mesh;
 mod info_model;
 mod info_text;
 mod info_tin;
+mod map;
+mod map_args;
+mod map_text;
 mod profile;
 mod progressive;
 mod reduce;
@@ -74,6 +77,7 @@ enum Command {
     View(view::ViewArgs),
     Fly(Box<fly::FlyArgs>),
     Render(render::RenderArgs),
+    Map(Box<map::MapArgs>),
     Extract(Box<extract::ExtractArgs>),
     Reduce(Box<reduce::ReduceArgs>),
     Compare(compare::CompareArgs),
@@ -100,6 +104,7 @@ impl Program {
             Command::Reduce(args) => reduce::run(args),
             Command::Compare(args) => compare::run(args),
             Command::Heights(args) => heights::run(args),
+            Command::Map(args) => map::run(args),
             Command::Profile(args) => profile::run(args),
             Command::Tin(args) => tin::run(args),
             Command::Volume(args) => volume::run(args),

@@ -1,6 +1,6 @@
 //! Shader module, bind group layouts and the three pipelines: sky, surface, surface with edges.
 
-use super::Gpu;
+use super::{Gpu, ResidentMesh};
 use crate::frame::Frame;
 use crate::vertex::VERTEX_BYTES;
 
@@ -29,18 +29,7 @@ pub(super) struct Passes {
 impl Layouts {
     pub(super) fn new(gpu: &Gpu) -> Self {
         let device = gpu.device();
-        let module = |source: &'static str| {
-            device.create_shader_module(wgpu::ShaderModuleDescriptor {
-                label: Some("yamanami"),
-                source: wgpu::ShaderSource::Wgsl(source.into()),
-            })
-        };
-        let entry = |binding, visibility, ty| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
-        let buffer = |ty, min_size| wgpu::BindingType::Buffer {
-            ty,
-            has_dynamic_offset: false,
-            min_binding_size: std::num::NonZeroU64::new(min_size),
-        };
+        let module = |source| shader_module(gpu, source);
         let image = wgpu::BindingType::Texture {
             sample_type: wgpu::TextureSampleType::Float { filterable: true },
             view_dimension: wgpu::TextureViewDimension::D2,
@@ -55,26 +44,20 @@ impl Layouts {
                 entry(2, wgpu::ShaderStages::FRAGMENT, wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering)),
             ],
         });
-        let read = wgpu::BufferBindingType::Storage { read_only: true };
-        let storage = gpu.reads_buffers().then(|| {
-            device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-                label: Some("yamanami storage"),
-                entries: &[
-                    entry(0, wgpu::ShaderStages::VERTEX, buffer(read, VERTEX_BYTES)),
-                    entry(1, wgpu::ShaderStages::VERTEX, buffer(read, 4)),
-                ],
-            })
-        });
+        let storage = storage_layout(gpu);
         Self {
             shader: module(concat!(
+                include_str!("../shaders/colour.wgsl"),
                 include_str!("../shaders/frame.wgsl"),
                 include_str!("../shaders/sky.wgsl"),
                 include_str!("../shaders/terrain.wgsl")
             )),
             wire_shader: storage.is_some().then(|| {
                 module(concat!(
+                    include_str!("../shaders/colour.wgsl"),
                     include_str!("../shaders/frame.wgsl"),
                     include_str!("../shaders/terrain.wgsl"),
+                    include_str!("../shaders/stored.wgsl"),
                     include_str!("../shaders/wire.wgsl")
                 ))
             }),
@@ -102,16 +85,70 @@ impl Layouts {
     }
 }
 
+/// A shader module from WGSL.
+pub(super) fn shader_module(gpu: &Gpu, source: &'static str) -> wgpu::ShaderModule {
+    gpu.device().create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some("yamanami"),
+        source: wgpu::ShaderSource::Wgsl(source.into()),
+    })
+}
+
+/// The mesh's buffers as `shaders/stored.wgsl` reads them; `None` where the device cannot.
+pub(super) fn storage_layout(gpu: &Gpu) -> Option<wgpu::BindGroupLayout> {
+    let read = wgpu::BufferBindingType::Storage { read_only: true };
+    gpu.reads_buffers().then(|| {
+        gpu.device().create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("yamanami storage"),
+            entries: &[
+                entry(0, wgpu::ShaderStages::VERTEX, buffer(read, VERTEX_BYTES)),
+                entry(1, wgpu::ShaderStages::VERTEX, buffer(read, 4)),
+            ],
+        })
+    })
+}
+
+/// The mesh's buffers for [`storage_layout`]; `None` where the device cannot read them so, and no edges are drawn.
+pub(super) fn storage_group(
+    gpu: &Gpu,
+    layout: Option<&wgpu::BindGroupLayout>,
+    mesh: &ResidentMesh,
+) -> Option<wgpu::BindGroup> {
+    let limit = gpu.device().limits().max_storage_buffer_binding_size;
+    let buffers = [mesh.vertex_buffer(), mesh.index_buffer()];
+    if buffers.iter().any(|buffer| buffer.size() > limit) {
+        return None;
+    }
+    Some(gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("yamanami storage"),
+        layout: layout?,
+        entries: &[
+            wgpu::BindGroupEntry { binding: 0, resource: buffers[0].as_entire_binding() },
+            wgpu::BindGroupEntry { binding: 1, resource: buffers[1].as_entire_binding() },
+        ],
+    }))
+}
+
+/// An entry of a layout.
+pub(super) fn entry(binding: u32, visibility: wgpu::ShaderStages, ty: wgpu::BindingType) -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None }
+}
+
+/// A whole buffer of at least so many bytes.
+pub(super) fn buffer(ty: wgpu::BufferBindingType, min_size: u64) -> wgpu::BindingType {
+    let min_binding_size = std::num::NonZeroU64::new(min_size);
+    wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size }
+}
+
 /// What the pipelines of one target have in common.
-struct Pipeline<'a> {
-    gpu: &'a Gpu,
-    format: wgpu::TextureFormat,
-    samples: u32,
+pub(super) struct Pipeline<'a> {
+    pub(super) gpu: &'a Gpu,
+    pub(super) format: wgpu::TextureFormat,
+    pub(super) samples: u32,
 }
 
 impl Pipeline<'_> {
     /// A pipeline from the entry points `<name>_vertex` and `<name>_fragment`.
-    fn create(
+    pub(super) fn create(
         &self,
         module: &wgpu::ShaderModule,
         name: &str,

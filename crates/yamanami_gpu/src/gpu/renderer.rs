@@ -1,6 +1,6 @@
 //! Draws resident meshes, off-screen or on any texture view.
 
-use super::passes::{Layouts, Passes};
+use super::passes::{Layouts, Passes, storage_group};
 use super::textures::{Attachments, PICTURE_FORMAT, Picture, upload_drape};
 use super::{Gpu, ResidentMesh};
 use crate::frame::{Frame, check_size};
@@ -11,7 +11,7 @@ use std::sync::Arc;
 use yamanami_core::View;
 
 /// Samples a pixel when a picture is antialiased.
-const SAMPLES: u32 = 4;
+pub(super) const SAMPLES: u32 = 4;
 
 /// Pipelines, textures and uniforms for drawing; keep one for as long as there is something to draw.
 #[derive(Debug)]
@@ -104,19 +104,10 @@ impl Renderer {
         };
         let mut encoder = self.gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         {
-            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some("yamanami"),
-                color_attachments: &[Some(colour_attachment(&attachments, target))],
-                depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                    view: &attachments.depth,
-                    depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Discard }),
-                    stencil_ops: None,
-                }),
-                ..wgpu::RenderPassDescriptor::default()
-            });
+            let mut pass = attachments.begin(&mut encoder, target, wgpu::Color::BLACK);
             pass.set_bind_group(0, &self.frame_group, &[]);
             let wire = options.wireframe.and(passes.wire.as_ref());
-            if let Some((wire, storage)) = wire.zip(storage_group(&self.gpu, &self.layouts, mesh)) {
+            if let Some((wire, storage)) = wire.zip(storage_group(&self.gpu, self.layouts.storage.as_ref(), mesh)) {
                 pass.set_pipeline(wire);
                 pass.set_bind_group(1, &storage, &[]);
                 pass.draw(0..mesh.index_count(), 0..1);
@@ -143,18 +134,6 @@ impl Renderer {
     }
 }
 
-fn colour_attachment<'a>(
-    attachments: &'a Attachments,
-    target: &'a wgpu::TextureView,
-) -> wgpu::RenderPassColorAttachment<'a> {
-    let load = wgpu::LoadOp::Clear(wgpu::Color::BLACK);
-    let (view, resolve_target, store) = match &attachments.colour {
-        Some(samples) => (samples, Some(target), wgpu::StoreOp::Discard),
-        None => (target, None, wgpu::StoreOp::Store),
-    };
-    wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target, ops: wgpu::Operations { load, store } }
-}
-
 fn frame_group(
     gpu: &Gpu,
     layouts: &Layouts,
@@ -172,21 +151,4 @@ fn frame_group(
             wgpu::BindGroupEntry { binding: 2, resource: wgpu::BindingResource::Sampler(sampler) },
         ],
     })
-}
-
-/// The mesh's buffers as the wireframe reads them; `None` where the device cannot, so that no edges are drawn.
-fn storage_group(gpu: &Gpu, layouts: &Layouts, mesh: &ResidentMesh) -> Option<wgpu::BindGroup> {
-    let limit = gpu.device().limits().max_storage_buffer_binding_size;
-    let buffers = [mesh.vertex_buffer(), mesh.index_buffer()];
-    if buffers.iter().any(|buffer| buffer.size() > limit) {
-        return None;
-    }
-    Some(gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("yamanami storage"),
-        layout: layouts.storage.as_ref()?,
-        entries: &[
-            wgpu::BindGroupEntry { binding: 0, resource: buffers[0].as_entire_binding() },
-            wgpu::BindGroupEntry { binding: 1, resource: buffers[1].as_entire_binding() },
-        ],
-    }))
 }

@@ -28,6 +28,36 @@ impl Attachments {
         Self { size_px, format, samples, colour, depth: view(DEPTH_FORMAT) }
     }
 
+    /// Begins a pass that clears the target and resolves into it; depth is reversed.
+    pub(super) fn begin<'e>(
+        &self,
+        encoder: &'e mut wgpu::CommandEncoder,
+        target: &wgpu::TextureView,
+        clear: wgpu::Color,
+    ) -> wgpu::RenderPass<'e> {
+        let load = wgpu::LoadOp::Clear(clear);
+        let (view, resolve_target, store) = match &self.colour {
+            Some(samples) => (samples, Some(target), wgpu::StoreOp::Discard),
+            None => (target, None, wgpu::StoreOp::Store),
+        };
+        let ops = wgpu::Operations { load, store };
+        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("yamanami"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view,
+                depth_slice: None,
+                resolve_target,
+                ops,
+            })],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &self.depth,
+                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Discard }),
+                stencil_ops: None,
+            }),
+            ..wgpu::RenderPassDescriptor::default()
+        })
+    }
+
     /// Whether these fit such a target.
     pub(super) fn fit(&self, size_px: [u32; 2], format: wgpu::TextureFormat, samples: u32) -> bool {
         self.size_px == size_px && self.format == format && self.samples == samples

@@ -10,6 +10,7 @@ use std::f64::consts::TAU;
 #[derive(Debug, Clone, PartialEq)]
 pub struct HorizonTable {
     azimuth_count: u32,
+    distance_count: u32,
     step_m: f64,
     half_tangents: Vec<f32>,
 }
@@ -19,11 +20,12 @@ impl HorizonTable {
     /// row is for distance `j · step_m`.
     pub fn new(azimuth_count: u32, step_m: f64, half_tangents: Vec<f32>) -> Result<Self, GpuError> {
         let row = half_tangents.len().checked_div(azimuth_count as usize).unwrap_or(0);
-        let is_whole = row > 0 && row * azimuth_count as usize == half_tangents.len() && u32::try_from(row).is_ok();
+        let distance_count = u32::try_from(row).unwrap_or(0);
+        let is_whole = distance_count > 0 && row * azimuth_count as usize == half_tangents.len();
         if !(is_whole && step_m.is_finite() && step_m > 0.0) {
             return Err(GpuError::HorizonTable { azimuth_count, step_m, entries: half_tangents.len() });
         }
-        Ok(Self { azimuth_count, step_m, half_tangents })
+        Ok(Self { azimuth_count, distance_count, step_m, half_tangents })
     }
 
     /// Rows: azimuths all round.
@@ -33,7 +35,7 @@ impl HorizonTable {
 
     /// Entries of a row: distances from the centre on.
     pub fn distance_count(&self) -> u32 {
-        (self.half_tangents.len() / self.azimuth_count as usize) as u32
+        self.distance_count
     }
 
     /// Metres between the entries of a row.
@@ -49,17 +51,18 @@ impl HorizonTable {
     /// The table between its entries: at an azimuth (radians clockwise from north) and a distance from the centre. Beyond
     /// the last distance it goes on as there.
     pub fn half_tangent(&self, azimuth_rad: f64, distance_m: f64) -> f32 {
-        let row = (azimuth_rad / TAU).rem_euclid(1.0) * f64::from(self.azimuth_count);
-        let column = (distance_m / self.step_m).clamp(0.0, f64::from(self.distance_count() - 1));
-        let (rows, columns) = (self.azimuth_count as usize, self.distance_count() as usize);
+        let turns = azimuth_rad / TAU;
+        let row = (turns - turns.floor()) * f64::from(self.azimuth_count);
+        let column = (distance_m / self.step_m).clamp(0.0, f64::from(self.distance_count - 1));
+        let (rows, columns) = (self.azimuth_count as usize, self.distance_count as usize);
         let (first, left) = ((row as usize).min(rows - 1), (column as usize).min(columns.saturating_sub(2)));
         let across = (column - left as f64) as f32;
         let entry = |row: usize| {
-            let entries = &self.half_tangents[row % rows * columns..][..columns];
+            let entries = &self.half_tangents[row * columns..][..columns];
             let (a, b) = (entries[left], entries[(left + 1).min(columns - 1)]);
             a + (b - a) * across
         };
-        let (upper, lower) = (entry(first), entry(first + 1));
+        let (upper, lower) = (entry(first), entry(if first + 1 < rows { first + 1 } else { 0 }));
         upper + (lower - upper) * (row - first as f64) as f32
     }
 }

@@ -19,7 +19,8 @@ pub struct MapOptions {
     pub wireframe: Option<Wireframe>,
     /// What lies under and beside the map: sRGB and straight alpha. Transparent by default; windows want an opaque one.
     pub background: [u8; 4],
-    /// Four samples a pixel instead of one: in software each with its own colour, on a GPU by edges only.
+    /// Four samples a pixel instead of one (on a GPU for borders only), and the pictures' mean over each instead of their
+    /// colour in its middle: for still pictures.
     pub antialias: bool,
 }
 

@@ -1,15 +1,20 @@
 //! Pictures of the ground around the plane's origin, the finer the nearer.
 //!
-//! Based on: Losasso, Hoppe, "Geometry clipmaps", 2004 (nested squares, each going over into the next near its border).
+//! Based on: Losasso, Hoppe, "Geometry clipmaps", 2004 (nested squares, each going over into the next near its border);
+//! McCormack, Perry, Farkas, Jouppi, "Feline: fast elliptical lines for anisotropic texture mapping", 1999 (probes along
+//! the longer side of a pixel's footprint, which far away is many times the other).
 
 use crate::GpuError;
-use glam::Vec4;
+use glam::{Vec2, Vec4};
 
 /// Most pictures of one map.
 pub const MAX_TEXTURES: usize = 16;
 
 /// Share of a square's reach over which it goes over into the next coarser one.
 pub(crate) const BLEND_SHARE: f32 = 0.1;
+
+/// Most probes along a pixel's footprint.
+const MAX_PROBES: f32 = 8.0;
 
 /// A square picture of the ground, its middle at the plane's origin.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,7 +37,7 @@ pub struct MapTextures {
 impl MapTextures {
     /// Takes at most [`MAX_TEXTURES`] pictures in any order.
     pub fn new(mut levels: Vec<MapTexture>) -> Result<Self, GpuError> {
-        let bytes = |side_px: u32| u64::from(side_px).pow(2) * 4;
+        let bytes = |side_px: u32| u64::from(side_px).pow(2).saturating_mul(4);
         for level in &levels {
             let is_odd = level.side_px >= 3 && level.side_px % 2 == 1;
             let has_reach = level.reach_m.is_finite() && level.reach_m > 0.0;
@@ -51,6 +56,22 @@ impl MapTextures {
     /// The pictures, the one of least reach first.
     pub fn levels(&self) -> &[MapTexture] {
         &self.levels
+    }
+
+    /// The mean of [`Self::colour`] over a pixel whose neighbours lie `right` and `down` from it in the plane.
+    pub(crate) fn mean_colour(&self, at: Vec2, right: Vec2, down: Vec2) -> Vec4 {
+        let holds = |level: &&MapTexture| at.abs().max_element() <= level.reach_m as f32;
+        let Some(level) = self.levels.iter().find(holds) else { return Vec4::ZERO };
+        let spacing_m = level.reach_m as f32 / ((level.side_px - 1) / 2) as f32;
+        let longer = if right.length_squared() > down.length_squared() { right } else { down };
+        let probes = (longer.length() / spacing_m).round().clamp(1.0, MAX_PROBES);
+        // no farther apart than the samples, so that what is seen edge-on is not mixed with what lies far behind
+        let along = longer.clamp_length_max(probes * spacing_m);
+        let probe = |i: u32| {
+            let place = at + along * ((i as f32 + 0.5) / probes - 0.5);
+            self.colour(place.x, place.y)
+        };
+        (0..probes as u32).map(probe).sum::<Vec4>() / probes
     }
 
     /// Colour times alpha, and alpha, at a place of the plane, 0 to 1.
@@ -85,13 +106,27 @@ impl MapTexture {
         let (across, down) = (x - column as f32, y - row as f32);
         let upper = (row * side + column) * 4;
         let lower = upper + side * 4;
-        let texel = |at: usize| {
-            let [r, g, b, a] = [0, 1, 2, 3].map(|c| f32::from(self.rgba[at + c]));
-            let alpha = a * (1.0 / 255.0);
-            Vec4::new(r * alpha, g * alpha, b * alpha, a)
+        let pair = |at: usize| {
+            let texels = self.rgba[at..at + 8].as_chunks::<4>().0;
+            let [left, right] = [texels[0], texels[1]].map(texel);
+            left + (right - left) * across
         };
-        let top = texel(upper).lerp(texel(upper + 4), across);
-        top.lerp(texel(lower).lerp(texel(lower + 4), across), down) * (1.0 / 255.0)
+        let (top, bottom) = (pair(upper), pair(lower));
+        (top + (bottom - top) * down) * (1.0 / 255.0)
+    }
+}
+
+/// Colour times alpha, and alpha, 0 to 255.
+#[inline]
+fn texel([r, g, b, a]: [u8; 4]) -> Vec4 {
+    let colour = Vec4::new(f32::from(r), f32::from(g), f32::from(b), f32::from(a));
+    if a == 255 {
+        colour
+    } else {
+        {
+            let share = f32::from(a) * (1.0 / 255.0);
+            colour * Vec4::new(share, share, share, 1.0)
+        }
     }
 }
 
@@ -144,6 +179,22 @@ mod tests {
             MapTextures::new(vec![plain(100.0, 3, [9, 9, 9, 0]), plain(200.0, 3, [0, 255, 0, 255])]).unwrap();
         assert_eq!(textures.colour(3.0, 3.0), Vec4::new(0.0, 1.0, 0.0, 1.0));
         assert_eq!(MapTextures::default().colour(0.0, 0.0), Vec4::ZERO);
+    }
+
+    #[test]
+    fn a_long_pixel_takes_the_mean_along_it() {
+        // stripes from north to south
+        let mut level = plain(100.0, 41, [0, 0, 0, 255]);
+        for (i, texel) in level.rgba.chunks_exact_mut(4).enumerate() {
+            texel[0] = if (i % 41) % 2 == 0 { 255 } else { 0 };
+        }
+        let textures = MapTextures::new(vec![level]).unwrap();
+        let red = |right: f32, down: f32| {
+            textures.mean_colour(Vec2::new(20.0, 20.0), Vec2::new(right, 0.0), Vec2::new(0.0, -down)).x
+        };
+        assert_eq!([red(1.0, 1.0), red(5.0, 5.0), red(1.0, 40.0)], [1.0, 1.0, 1.0], "short, or along the stripe");
+        assert!((red(20.0, 1.0) - 0.5).abs() < 1e-5 && (red(900.0, 1.0) - 0.5).abs() < 1e-5, "across stripes");
+        assert_eq!(textures.mean_colour(Vec2::splat(900.0), Vec2::X, Vec2::Y), Vec4::ZERO);
     }
 
     #[test]

@@ -69,10 +69,6 @@ fn unpack_normal(oct: u32) -> vec3<f32> {
     return normalize(vec3(select(fold, e, z >= 0.0), z));
 }
 
-fn linear_from_srgb(c: vec3<f32>) -> vec3<f32> {
-    return select(pow((c + 0.055) / 1.055, vec3(2.4)), c / 12.92, c <= vec3(0.04045));
-}
-
 fn ramp_colour(t: f32) -> vec3<f32> {
     var colour = frame.ramp[0].rgb;
     for (var i = 1u; i < 8u; i++) {
@@ -142,22 +138,10 @@ fn surface_colour(albedo: vec3<f32>, from_eye: vec3<f32>, normal: vec3<f32>, und
     return mix(albedo * light, frame.horizon.rgb, 1.0 - exp(-haze * haze));
 }
 
-fn wire_share(b: vec3<f32>, slope_per_px: vec3<f32>) -> f32 {
-    let slope = max(slope_per_px, vec3(1e-9));
-    let distances_px = b / slope;
-    let heights_px = 1.0 / slope;
-    let distance_px = min(distances_px.x, min(distances_px.y, distances_px.z));
-    let height_px = min(heights_px.x, min(heights_px.y, heights_px.z));
-    let line = clamp(0.5 + 0.5 * frame.wire_width_px - distance_px, 0.0, 1.0);
-    let room = clamp((height_px - 1.5) / 4.5, 0.0, 1.0);
-    return frame.wire.a * line * room;
-}
-
 // The colour as the target wants it: linear where it encodes sRGB itself.
 fn to_target(linear: vec3<f32>) -> vec4<f32> {
     if frame.encode_srgb == 0u {
         return vec4(linear, 1.0);
     }
-    let c = clamp(linear, vec3(0.0), vec3(1.0));
-    return vec4(select(1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, c * 12.92, c <= vec3(0.0031308)), 1.0);
+    return vec4(srgb_from_linear(clamp(linear, vec3(0.0), vec3(1.0))), 1.0);
 }

@@ -1,20 +1,6 @@
 // The surface with its edges: every triangle fetches its own corners, so that each corner can carry its barycentric
 // coordinates and lines are as wide, and as smooth, as asked for.
 
-struct StoredVertex {
-    x: f32,
-    y: f32,
-    z: f32,
-    detail_m: f32,
-    error_m: f32,
-    bound_radius_m: f32,
-    normal_oct: u32,
-    painted: u32,
-}
-
-@group(1) @binding(0) var<storage, read> vertices: array<StoredVertex>;
-@group(1) @binding(1) var<storage, read> indices: array<u32>;
-
 @vertex
 fn wire_vertex(@builtin(vertex_index) index: u32) -> Surface {
     let v = vertices[indices[index]];
@@ -29,6 +15,6 @@ fn wire_fragment(in: Surface, @builtin(front_facing) front: bool) -> @location(0
     let b = in.barycentric;
     let across = dpdx(b);
     let down = dpdy(b);
-    let share = wire_share(b, sqrt(across * across + down * down));
+    let share = wire_share(b, sqrt(across * across + down * down), frame.wire_width_px, frame.wire.a);
     return to_target(mix(lit(in, front), frame.wire.rgb, share));
 }

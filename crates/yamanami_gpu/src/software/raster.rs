@@ -105,8 +105,8 @@ impl<const N: usize> Band<N> {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Edge {
     /// Growth per sub-pixel to the right and down.
-    dx: i64,
-    dy: i64,
+    pub(super) dx: i64,
+    pub(super) dy: i64,
     at: [i64; 2],
 }
 

@@ -1,6 +1,10 @@
 //! What the tests share: a hilly surface, and a walk of changes that obeys the sink's promises.
 #![allow(dead_code, unreachable_pub)]
 
+pub mod maps;
+#[cfg(feature = "wgpu")]
+pub mod target;
+
 use glam::DVec3;
 use std::collections::BTreeSet;
 use yamanami_core::{Sink, SurfaceVertex, TriangleKey, TriangleMesh, VertexId, View};

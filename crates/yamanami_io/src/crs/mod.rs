@@ -63,6 +63,15 @@ pub fn from_lon_lat(crs: &Crs, lon: f64, lat: f64) -> Option<[f64; 2]> {
     position.iter().all(|v| v.is_finite()).then_some(position)
 }
 
+/// How far it is round the Earth in x, in units of the CRS, where x runs all the way round.
+pub fn way_round(crs: &Crs) -> Option<f64> {
+    match projection(crs)? {
+        Projection::LongitudeLatitude => Some(360.0),
+        Projection::WebMercator => Some(std::f64::consts::TAU * WEB_MERCATOR_RADIUS_M),
+        Projection::TransverseMercator(_) => None,
+    }
+}
+
 fn projection(crs: &Crs) -> Option<Projection> {
     if crs.geographic {
         return Some(Projection::LongitudeLatitude);

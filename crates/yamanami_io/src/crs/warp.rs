@@ -64,8 +64,8 @@ impl<F: Fn(DVec2) -> DVec2> GridWarp<F> {
             let line = self.line(middle(row));
             for column in 0..self.cells {
                 let exact = (self.exact)(DVec2::new(middle(column), middle(row)));
-                let given = cubic(&line[column..], 0.5);
-                rough.push(!((given - exact).abs().max_element() <= tolerance) && exact.is_finite());
+                let is_near = (cubic(&line[column..], 0.5) - exact).abs().cmple(DVec2::splat(tolerance)).all();
+                rough.push(exact.is_finite() && !is_near);
             }
         }
         rough

@@ -16,6 +16,7 @@ mod geotiff;
 mod hgt;
 mod mosaic;
 mod part;
+mod picture_place;
 pub(crate) mod prj;
 mod sample_type;
 mod tiff_codec;
@@ -25,13 +26,15 @@ mod tile_name;
 mod write;
 
 pub use mosaic::DemFile;
+pub use picture_place::picture_place;
 pub use sample_type::SampleType;
 pub use tile::TileEncoding;
 pub(crate) use tile_name::tile_from_path;
 pub use write::{write_asc, write_geotiff};
 
-use crate::IoError;
+use crate::{IoError, crs};
 use bytes::ByteSource;
+use part::Part;
 use std::path::{Path, PathBuf};
 use yamanami_core::{Crs, GeoReference};
 
@@ -86,6 +89,36 @@ pub struct DemInfo {
 
 /// Opens files and folders as one grid. Later files fill where earlier ones have no data.
 pub fn open(paths: &[PathBuf], options: &OpenOptions) -> Result<DemFile, IoError> {
+    DemFile::new(open_parts(paths, options)?, options)
+}
+
+/// Opens files and folders as few mosaics: grids that lie upon each other together, others apart, in the order in which
+/// they are first met. So sources of several resolutions and systems can be read side by side. Grids on both sides of the
+/// antimeridian are neighbours: longitudes of a mosaic may go beyond 180°.
+pub fn open_mosaics(paths: &[PathBuf], options: &OpenOptions) -> Result<Vec<DemFile>, IoError> {
+    let mut mosaics: Vec<Vec<Box<dyn Part>>> = Vec::new();
+    for mut part in open_parts(paths, options)? {
+        let mut fits = |mosaic: &&mut Vec<Box<dyn Part>>| {
+            let first = mosaic[0].info();
+            let mut info = part.info().clone();
+            if let Some(round) = crs::way_round(&info.geo.crs) {
+                info.geo.origin[0] += round * ((first.geo.origin[0] - info.geo.origin[0]) / round).round();
+            }
+            let fits = mosaic::offset(first, &info).is_ok();
+            if fits {
+                *part.info_mut() = info;
+            }
+            fits
+        };
+        match mosaics.iter_mut().find(&mut fits) {
+            Some(mosaic) => mosaic.push(part),
+            None => mosaics.push(vec![part]),
+        }
+    }
+    mosaics.into_iter().map(|parts| DemFile::new(parts, options)).collect()
+}
+
+fn open_parts(paths: &[PathBuf], options: &OpenOptions) -> Result<Vec<Box<dyn Part>>, IoError> {
     let mut parts = Vec::new();
     for path in paths {
         if path.is_dir() {
@@ -94,7 +127,7 @@ pub fn open(paths: &[PathBuf], options: &OpenOptions) -> Result<DemFile, IoError
             detect::open_file(&ByteSource::file(path)?, options, &mut parts)?;
         }
     }
-    DemFile::new(parts, options)
+    Ok(parts)
 }
 
 /// Opens the content of one file; `name` stands for its path.

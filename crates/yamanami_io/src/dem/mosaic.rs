@@ -1,11 +1,11 @@
 //! Several grids as one: the same CRS, the same step, aligned samples; later grids fill the holes of earlier ones.
 
 use super::cache::ChunkCache;
-use super::part::{Part, checked_size};
+use super::part::{Part, PartInfo, checked_size};
 use super::{DemInfo, OpenOptions};
 use crate::IoError;
 use std::collections::VecDeque;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use yamanami_core::{Crs, GeoReference, HeightField, HeightSource, Window};
 
@@ -54,6 +54,29 @@ fn crs_name(crs: &Crs) -> String {
     }
 }
 
+/// Columns and rows from a grid's first sample to that of another, or why the two are no mosaic.
+pub(super) fn offset(first: &PartInfo, info: &PartInfo) -> Result<[i64; 2], String> {
+    if !same_crs(&first.geo.crs, &info.geo.crs) {
+        let (a, b) = (crs_name(&first.geo.crs), crs_name(&info.geo.crs));
+        return Err(format!("{a} against {b}; warp one of them, or state one CRS for both"));
+    }
+    let mut offset = [0; 2];
+    for axis in 0..2 {
+        let (a, b) = (first.geo.step[axis], info.geo.step[axis]);
+        let samples = first.size[axis].max(info.size[axis]) as f64;
+        if (a - b).abs() * samples > MAX_MISALIGNMENT * a.abs() {
+            return Err(format!("steps of {} against {}", a.abs(), b.abs()));
+        }
+        let exact = (info.geo.origin[axis] - first.geo.origin[axis]) / a;
+        if (exact - exact.round()).abs() > MAX_MISALIGNMENT || exact.abs() > 1e9 {
+            let apart = exact - exact.round();
+            return Err(format!("samples lie {apart:.3} of a step apart instead of upon each other"));
+        }
+        offset[axis] = exact.round() as i64;
+    }
+    Ok(offset)
+}
+
 impl DemFile {
     pub(super) fn new(mut parts: Vec<Box<dyn Part>>, options: &OpenOptions) -> Result<Self, IoError> {
         let Some(first) = parts.first().map(|part| part.info().clone()) else {
@@ -68,25 +91,7 @@ impl DemFile {
             let info = part.info();
             let mismatch =
                 |why: String| IoError::Mismatch { first: first.label.clone(), second: info.label.clone(), why };
-            if !same_crs(&first.geo.crs, &info.geo.crs) {
-                let (a, b) = (crs_name(&first.geo.crs), crs_name(&info.geo.crs));
-                return Err(mismatch(format!("{a} against {b}; warp one of them, or state one CRS for both")));
-            }
-            let mut offset = [0; 2];
-            for axis in 0..2 {
-                let (a, b) = (first.geo.step[axis], info.geo.step[axis]);
-                let samples = first.size[axis].max(info.size[axis]) as f64;
-                if (a - b).abs() * samples > MAX_MISALIGNMENT * a.abs() {
-                    return Err(mismatch(format!("steps of {} against {}", a.abs(), b.abs())));
-                }
-                let exact = (info.geo.origin[axis] - first.geo.origin[axis]) / a;
-                if (exact - exact.round()).abs() > MAX_MISALIGNMENT || exact.abs() > 1e9 {
-                    let apart = exact - exact.round();
-                    return Err(mismatch(format!("samples lie {apart:.3} of a step apart instead of upon each other")));
-                }
-                offset[axis] = exact.round() as i64;
-            }
-            offsets.push(offset);
+            offsets.push(offset(&first, info).map_err(mismatch)?);
         }
         let bound = |axis: usize| {
             let low = offsets.iter().map(|o| o[axis]).min().unwrap_or(0);
@@ -152,6 +157,19 @@ impl DemFile {
     /// What is known without reading heights.
     pub fn info(&self) -> &DemInfo {
         &self.info
+    }
+
+    /// The first file, for messages.
+    pub fn label(&self) -> &Path {
+        &self.label
+    }
+
+    /// The rectangles of the grid that files fill; between them there is no data.
+    pub fn parts(&self) -> impl Iterator<Item = Window> {
+        self.parts.iter().map(|placed| {
+            let ([column, row], [width, height]) = (placed.offset, placed.part.info().size);
+            Window { column, row, width, height }
+        })
     }
 
     /// Brings the whole grid into memory, if it has no more samples than [`OpenOptions::max_samples`].

@@ -27,7 +27,7 @@ fn excerpt(text: &str) -> String {
 
 /// Name, kind and, where it is written out, EPSG code of a CRS in well-known text (1 or 2); `None` when it is neither
 /// geographic nor projected in metres.
-pub(super) fn from_wkt(text: &str) -> Option<Crs> {
+pub(crate) fn from_wkt(text: &str) -> Option<Crs> {
     let text = text.trim();
     let (keyword, rest) = text.split_once('[')?;
     let name = rest.trim_start().strip_prefix('"')?.split('"').next()?.to_owned();

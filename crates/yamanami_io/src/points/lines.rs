@@ -1,11 +1,10 @@
 //! Breaklines: lines of GeoJSON, and tables of text whose rows of one name are a line.
-//!
-//! Format: IETF RFC 7946, "The GeoJSON Format", 2016 (H. Butler et al.); its older form with a `crs` member too.
 
 use super::source::{Source, has_ending};
 use super::table::{Columns, number};
 use super::text::{Layout, Skipped, strip_comment};
 use super::{ColumnOrder, check_unit};
+use crate::geodata::{Shape, geojson};
 use crate::{IoError, crs};
 use glam::DVec3;
 use serde_json::Value;
@@ -14,8 +13,6 @@ use yamanami_core::{Breakline, BreaklineKind, Crs};
 
 /// GeoJSON is read whole.
 const MOST_GEOJSON_BYTES: u64 = 1 << 30;
-/// Collections in collections.
-const MOST_DEPTH: usize = 16;
 
 /// What is asked of a file of lines beside its path.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -116,90 +113,47 @@ fn read_table(source: Source<'_>, options: &LineReadOptions) -> Result<ReadLines
 fn read_geojson(source: Source<'_>, options: &LineReadOptions) -> Result<ReadLines, IoError> {
     let label = source.label().to_owned();
     let bytes = source.into_text()?.into_bytes(MOST_GEOJSON_BYTES)?;
-    let root: Value = serde_json::from_slice(&bytes)
-        .map_err(|e| IoError::malformed(&label, format!("line {}", e.line()), "GeoJSON", e.to_string()))?;
-    let mut found =
-        GeoJson { options, label: &label, stated: stated_crs(&root), read: ReadLines::default(), skipped: 0 };
-    found.object(&root, "", options.kind, 0)?;
-    let (mut read, skipped) = (found.read, found.skipped);
+    let root = geojson::parse(&label, &bytes)?;
+    let places = Places {
+        options,
+        label: &label,
+        stated: geojson::stated_crs(&root).filter(|stated| stated.epsg.and_then(crs::from_epsg).is_some()),
+    };
+    let (mut read, mut skipped, mut failed) = (ReadLines::default(), 0, None);
+    geojson::for_each(&root, &mut |properties, geometry| {
+        let word = |key: &str| properties.get(key).and_then(Value::as_str);
+        let kind = match word("kind") {
+            Some("hard") => BreaklineKind::Hard,
+            Some("soft") => BreaklineKind::Soft,
+            Some("boundary") => BreaklineKind::Boundary,
+            _ => options.kind,
+        };
+        let name = word("name").or_else(|| word("id")).unwrap_or_default();
+        let mut shape = Shape::default();
+        skipped += geojson::add_geometry(geometry, &mut shape) + shape.points.len();
+        for line in shape.lines {
+            match line.points.into_iter().map(|p| places.place(p.x, p.y, p.z)).collect() {
+                Ok(points) => read.lines.push(Breakline { name: name.to_owned(), kind, points }),
+                Err(error) => failed = failed.take().or(Some(error)),
+            }
+        }
+    });
+    if let Some(error) = failed {
+        return Err(error);
+    }
     if skipped > 0 {
         read.notes.push(format!("{skipped} geometries that are no lines, or whose places are none, skipped"));
     }
     Ok(read)
 }
 
-/// The CRS of a `crs` member: `urn:ogc:def:crs:EPSG::6677` or `EPSG:6677`.
-fn stated_crs(root: &Value) -> Option<Crs> {
-    let name = root.get("crs")?.get("properties")?.get("name")?.as_str()?;
-    let code = name.rsplit(':').next()?.parse().ok()?;
-    if name.contains("EPSG") { crs::from_epsg(code) } else { None }
-}
-
-struct GeoJson<'a> {
+struct Places<'a> {
     options: &'a LineReadOptions,
     label: &'a Path,
     stated: Option<Crs>,
-    read: ReadLines,
-    skipped: usize,
 }
 
-impl GeoJson<'_> {
-    fn object(&mut self, object: &Value, name: &str, kind: BreaklineKind, depth: usize) -> Result<(), IoError> {
-        if depth > MOST_DEPTH {
-            self.skipped += 1;
-            return Ok(());
-        }
-        let members = |key: &str| object.get(key).and_then(Value::as_array).map(Vec::as_slice).unwrap_or_default();
-        let coordinates = members("coordinates");
-        match object.get("type").and_then(Value::as_str) {
-            Some("FeatureCollection") => {
-                members("features").iter().try_for_each(|f| self.object(f, name, kind, depth + 1))
-            }
-            Some("Feature") => {
-                let word = |key: &str| object.get("properties").and_then(|p| p.get(key)).and_then(Value::as_str);
-                let kind = match word("kind") {
-                    Some("hard") => BreaklineKind::Hard,
-                    Some("soft") => BreaklineKind::Soft,
-                    Some("boundary") => BreaklineKind::Boundary,
-                    _ => kind,
-                };
-                let name = word("name").or_else(|| word("id")).unwrap_or(name);
-                object.get("geometry").map_or(Ok(()), |g| self.object(g, name, kind, depth + 1))
-            }
-            Some("GeometryCollection") => {
-                members("geometries").iter().try_for_each(|g| self.object(g, name, kind, depth + 1))
-            }
-            Some("LineString") => self.line(coordinates, name, kind),
-            Some("MultiLineString" | "Polygon") => coordinates.iter().try_for_each(|line| self.part(line, name, kind)),
-            Some("MultiPolygon") => coordinates
-                .iter()
-                .flat_map(|polygon| polygon.as_array().map(Vec::as_slice).unwrap_or_default())
-                .try_for_each(|ring| self.part(ring, name, kind)),
-            _ => {
-                self.skipped += 1;
-                Ok(())
-            }
-        }
-    }
-
-    fn part(&mut self, part: &Value, name: &str, kind: BreaklineKind) -> Result<(), IoError> {
-        self.line(part.as_array().map(Vec::as_slice).unwrap_or_default(), name, kind)
-    }
-
-    fn line(&mut self, places: &[Value], name: &str, kind: BreaklineKind) -> Result<(), IoError> {
-        let mut points = Vec::with_capacity(places.len());
-        for place in places {
-            let of = |k: usize| place.get(k).and_then(Value::as_f64);
-            let (Some(x), Some(y)) = (of(0), of(1)) else {
-                self.skipped += 1;
-                return Ok(());
-            };
-            points.push(self.place(x, y, of(2).unwrap_or(f64::NAN))?);
-        }
-        self.read.lines.push(Breakline { name: name.to_owned(), kind, points });
-        Ok(())
-    }
-
+impl Places<'_> {
     /// A place in metres in the CRS of the points.
     fn place(&self, x: f64, y: f64, z: f64) -> Result<DVec3, IoError> {
         let wanted = &self.options.crs;

@@ -15,7 +15,7 @@ mod georef;
 mod las;
 mod laz_source;
 mod lines;
-mod source;
+pub(crate) mod source;
 mod table;
 mod text;
 

@@ -15,14 +15,14 @@ pub(super) trait ReadSeek: Read + Seek + Send + Sync {}
 impl<T: Read + Seek + Send + Sync> ReadSeek for T {}
 
 /// Where bytes come from.
-pub(super) struct Source<'a> {
+pub(crate) struct Source<'a> {
     label: PathBuf,
     bytes: Box<dyn ReadSeek + 'a>,
     length: u64,
 }
 
 impl<'a> Source<'a> {
-    pub(super) fn file(path: &Path) -> Result<Self, IoError> {
+    pub(crate) fn file(path: &Path) -> Result<Self, IoError> {
         let file = File::open(path).map_err(|e| IoError::io(path, e))?;
         let metadata = file.metadata().map_err(|e| IoError::io(path, e))?;
         if !metadata.is_file() {
@@ -32,11 +32,11 @@ impl<'a> Source<'a> {
         Ok(Self { label: path.to_owned(), bytes, length: metadata.len() })
     }
 
-    pub(super) fn memory(name: &Path, bytes: &'a [u8]) -> Self {
+    pub(crate) fn memory(name: &Path, bytes: &'a [u8]) -> Self {
         Self { label: name.to_owned(), length: bytes.len() as u64, bytes: Box::new(Cursor::new(bytes)) }
     }
 
-    pub(super) fn label(&self) -> &Path {
+    pub(crate) fn label(&self) -> &Path {
         &self.label
     }
 
@@ -49,7 +49,7 @@ impl<'a> Source<'a> {
     }
 
     /// The text, unpacked if the name says that it is packed.
-    pub(super) fn into_text(self) -> Result<Text<'a>, IoError> {
+    pub(crate) fn into_text(self) -> Result<Text<'a>, IoError> {
         let most = self.length.saturating_mul(MOST_FOLD).saturating_add(MOST_LINE_BYTES as u64);
         let unpacked: Box<dyn Read + 'a> = if ends_with(&self.label, "gz") {
             Box::new(flate2::read::MultiGzDecoder::new(self.bytes).take(most))
@@ -65,7 +65,7 @@ impl<'a> Source<'a> {
 }
 
 /// Text, line by line.
-pub(super) struct Text<'a> {
+pub(crate) struct Text<'a> {
     pub(super) label: PathBuf,
     lines: BufReader<Box<dyn Read + 'a>>,
     number: usize,
@@ -98,7 +98,7 @@ impl Text<'_> {
     }
 
     /// All that is left, at most so many bytes.
-    pub(super) fn into_bytes(mut self, most: u64) -> Result<Vec<u8>, IoError> {
+    pub(crate) fn into_bytes(mut self, most: u64) -> Result<Vec<u8>, IoError> {
         let mut bytes = Vec::new();
         let read = (&mut self.lines).take(most + 1).read_to_end(&mut bytes);
         read.map_err(|e| IoError::io(&self.label, e))?;
@@ -114,7 +114,7 @@ fn ends_with(path: &Path, ending: &str) -> bool {
 }
 
 /// Whether a name ends so, packed or not.
-pub(super) fn has_ending(path: &Path, endings: &[&str]) -> bool {
+pub(crate) fn has_ending(path: &Path, endings: &[&str]) -> bool {
     let unpacked = if ends_with(path, "gz") || ends_with(path, "zst") { path.with_extension("") } else { path.into() };
     endings.iter().any(|ending| ends_with(&unpacked, ending))
 }

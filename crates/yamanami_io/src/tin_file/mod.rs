@@ -33,7 +33,7 @@ mod srs_name;
 mod text;
 mod upward;
 mod weld;
-mod xml;
+pub(crate) mod xml;
 
 use crate::IoError;
 use crate::mesh_file::{self, MeshMeta, ReadMesh, atomic, packing::Packing};

@@ -34,7 +34,7 @@ pub(super) fn read(name: &Path, content: impl BufRead, options: &TinReadOptions)
 }
 
 /// A file that is read element by element.
-pub(super) struct Xml<'n, R> {
+pub(crate) struct Xml<'n, R> {
     name: &'n Path,
     reader: Reader<Text<R>>,
     buffer: Vec<u8>,
@@ -46,7 +46,7 @@ pub(super) struct Xml<'n, R> {
 }
 
 /// What comes next in a file.
-pub(super) enum Node<'a> {
+pub(crate) enum Node<'a> {
     /// A start tag and its line.
     Start(Tag<'a>, u64),
     /// An end tag without its prefix, the text before it since the last tag, its line.
@@ -56,19 +56,19 @@ pub(super) enum Node<'a> {
 }
 
 /// A start tag.
-pub(super) struct Tag<'a> {
+pub(crate) struct Tag<'a> {
     content: &'a str,
     name_bytes: usize,
 }
 
 impl Tag<'_> {
     /// The element's name without its prefix.
-    pub(super) fn local_name(&self) -> &str {
+    pub(crate) fn local_name(&self) -> &str {
         without_prefix(&self.content[..self.name_bytes])
     }
 
     /// An attribute's value, by its name without prefix.
-    pub(super) fn attribute(&self, name: &str) -> Option<String> {
+    pub(crate) fn attribute(&self, name: &str) -> Option<String> {
         let start = BytesStart::from_content(self.content, self.name_bytes);
         let mut attributes = start.attributes();
         let attribute = attributes.with_checks(false).flatten().find(|a| a.key.local_name().as_ref() == name)?;
@@ -83,7 +83,8 @@ fn without_prefix(name: &str) -> &str {
 }
 
 impl<'n, R: BufRead> Xml<'n, R> {
-    fn new(name: &'n Path, content: R) -> Result<Self, IoError> {
+    /// Begins to read a file.
+    pub(crate) fn new(name: &'n Path, content: R) -> Result<Self, IoError> {
         let text = Text::new(content).map_err(|e| IoError::malformed(name, "line 1", "text", e.to_string()))?;
         let mut reader = Reader::from_reader(text);
         reader.config_mut().expand_empty_elements = true;
@@ -97,7 +98,7 @@ impl<'n, R: BufRead> Xml<'n, R> {
     }
 
     /// The next start or end of an element.
-    pub(super) fn next(&mut self) -> Result<Node<'_>, IoError> {
+    pub(crate) fn next(&mut self) -> Result<Node<'_>, IoError> {
         self.text.clear();
         self.tag.clear();
         loop {

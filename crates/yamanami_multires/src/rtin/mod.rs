@@ -14,7 +14,10 @@
 //! every sample is a vertex but those on the outermost ring of a finer grid: there the coarser grid's straight lines are the
 //! ground. (Where a finer grid reaches as far as the coarser one, its outermost three rings may be so.) The widest grid
 //! is surrounded by just as many made-up vertices, at the height of the nearest sample, as its outermost triangles need.
+//!
+//! [`band_mesh`] is the paper's own mesh, by bands of distance.
 
+pub mod band_mesh;
 mod build;
 mod diamonds;
 mod errors;

@@ -100,7 +100,13 @@ impl<'a> MapPainter<'a> {
 
     /// Colour times alpha, and alpha, of ground that is seen.
     fn colour(&self, seen: &Seen<'_>) -> Vec4 {
-        let mut colour = self.options.textures.colour(seen.place.x, seen.place.y);
+        let textures = &self.options.textures;
+        let mut colour = if self.options.antialias {
+            let [right, down] = seen.run.steps_m();
+            textures.mean_colour(seen.place.truncate(), right, down)
+        } else {
+            textures.colour(seen.place.x, seen.place.y)
+        };
         colour += self.ground * (1.0 - colour.w);
         if let Some(wire) = self.options.wireframe {
             // the width is that of the picture's pixels
@@ -166,6 +172,6 @@ fn straight(colour: Vec4) -> [u8; 4] {
     if colour.w <= 0.0 {
         return [0; 4];
     }
-    let [r, g, b, a] = (colour / Vec4::new(colour.w, colour.w, colour.w, 1.0)).to_array();
-    [r, g, b, a].map(|v| (v * 255.0 + 0.5) as u8)
+    let per_alpha = 1.0 / colour.w;
+    (colour * Vec4::new(per_alpha, per_alpha, per_alpha, 1.0) * 255.0 + 0.5).to_array().map(|v| v as u8)
 }

@@ -6,7 +6,7 @@ use crate::software::place::{SUBPIXELS, ScreenTriangle};
 use crate::software::raster::{Band, CENTRE, Edge, NOTHING};
 use crate::software::{BAND_ROWS, MAX_SIDE_PX};
 use crate::{GpuError, GpuVertex, ResidentBuffers};
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 use std::ops::Range;
 use yamanami_core::MapView;
@@ -164,6 +164,15 @@ impl Run {
         let share = |edge: usize| (self.edges[edge].value_at(at) as f64 * self.per_area) as f32;
         let (one, two) = (share(2), share(0));
         Vec3::new(1.0 - one - two, one, two)
+    }
+
+    /// How far the neighbours to the right and below lie in the plane, metres.
+    pub(super) fn steps_m(&self) -> [Vec2; 2] {
+        let per_px = self.per_area * SUBPIXELS as f64;
+        [|edge: &Edge| edge.dx, |edge: &Edge| edge.dy].map(|growth| {
+            let share = |edge: usize| (growth(&self.edges[edge]) as f64 * per_px) as f32;
+            self.to_1.truncate() * share(2) + self.to_2.truncate() * share(0)
+        })
     }
 
     /// Length of the gradient of each corner's share, per pixel.
