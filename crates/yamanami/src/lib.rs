@@ -57,8 +57,8 @@ pub use camera::{overview, view_between};
 pub use canvas::{Canvas, DrawWith, Upload};
 pub use data::Data;
 pub use deformed::{
-    BaseOptions, DeformedScene, MadeMap, MapImage, MapJob, MapMesh, MapUpdate, draw_base, lay_lines, lay_places,
-    make_map, rank_by_prominence,
+    BaseOptions, DeformedScene, MadeMap, MapErrors, MapImage, MapJob, MapMesh, MapUpdate, draw_base, lay_lines,
+    lay_places, make_map, rank_by_prominence,
 };
 pub use error::Error;
 pub use extract::{Extracted, Frame, extract, to_frame};

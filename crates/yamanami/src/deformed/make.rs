@@ -1,10 +1,11 @@
 //! A whole map in one call: the ground meshed for the picture, coloured and drawn, names and lines laid over it.
 
-use super::{BaseOptions, DeformedScene, MapImage, draw_base, rank_by_prominence};
+use super::check::measure_mesh;
+use super::{BaseOptions, DeformedScene, MapErrors, MapImage, draw_base, rank_by_prominence};
 use crate::Error;
 use glam::{DVec2, DVec3};
 use image::RgbaImage;
-use yamanami_core::{MapLine, MapView, NamedPlace};
+use yamanami_core::{MapLine, MapView, NamedPlace, TriangleMesh};
 use yamanami_gpu::{ResidentBuffers, Wireframe};
 use yamanami_io::crs::AzimuthalPlane;
 use yamanami_lod::BandTable;
@@ -45,6 +46,8 @@ pub struct MapJob {
     pub wireframe: Option<Wireframe>,
     /// Four samples a pixel.
     pub antialias: bool,
+    /// Whether the true error of every sample is measured.
+    pub is_checked: bool,
     /// From where places must be seen to be named.
     pub seen_from: SeenFrom,
     /// The sheet around it.
@@ -70,6 +73,8 @@ pub struct MadeMap {
     pub triangles: usize,
     /// No ground is drawn further from its place, pixels; unknown for the paper's mesh.
     pub error_px: Option<f32>,
+    /// What was measured, if it was.
+    pub errors: Option<MapErrors>,
     /// Share of the picture's disc that the picture laid over it covers, 0 to 1; none without one.
     pub image_share: Option<f64>,
     /// For each named place, how far its place lies from where the mesh shows it, pixels; NaN for the paper's mesh.
@@ -114,16 +119,21 @@ pub fn make_map(
     let view = &job.view;
     scene.check(&view.map).map_err(|fault| Error::Request(fault.to_string()))?;
     progress("mesh", 0.0);
-    let mut error_px = None;
+    let (mut error_px, mut errors) = (None, None);
     let built;
     match job.mesh {
         MapMesh::Exact { tolerance_px, budget } => {
             error_px = Some(scene.update(view, tolerance_px, budget)?.report.error_left);
+            errors = job.is_checked.then(|| scene.measure(view));
             built = None;
         }
-        MapMesh::Paper => built = Some(paper_mesh(scene, view)?),
+        MapMesh::Paper => {
+            let mesh = paper_mesh(scene, view)?;
+            errors = job.is_checked.then(|| measure_mesh(view, scene.field().widest(), &mesh));
+            built = Some(ResidentBuffers::from_mesh(&mesh));
+        }
         MapMesh::Full => {
-            error_px = Some(0.0);
+            (error_px, errors) = (Some(0.0), None);
             built = Some(scene.full_mesh());
         }
     }
@@ -174,7 +184,7 @@ pub fn make_map(
         (_, MapMesh::Full) => vec![0.0; composed.labels.len()],
         _ => vec![f64::NAN; composed.labels.len()],
     };
-    Ok(MadeMap { base, composed, triangles, error_px, image_share, name_error_px })
+    Ok(MadeMap { base, composed, triangles, error_px, errors, image_share, name_error_px })
 }
 
 /// How far the ground at a named place is drawn from its place.
@@ -187,7 +197,7 @@ fn summit_error_px(scene: &DeformedScene, view: &MapView, at: DVec3) -> f64 {
 }
 
 /// The paper's mesh of the ground, by its printed table.
-fn paper_mesh(scene: &DeformedScene, view: &MapView) -> Result<ResidentBuffers, Error> {
+fn paper_mesh(scene: &DeformedScene, view: &MapView) -> Result<TriangleMesh, Error> {
     let grid = scene.field().widest();
     let table = BandTable::paper();
     let options = BandMeshOptions {
@@ -196,6 +206,5 @@ fn paper_mesh(scene: &DeformedScene, view: &MapView) -> Result<ResidentBuffers, 
         reach_m: PAPER_REACH_M.min(view.rim_m),
         peaks: PeakRule::Paper,
     };
-    let made = band_mesh(grid, &options, |r_m| table.level_at(r_m), &[])?;
-    Ok(ResidentBuffers::from_mesh(&made.mesh))
+    Ok(band_mesh(grid, &options, |r_m| table.level_at(r_m), &[])?.mesh)
 }

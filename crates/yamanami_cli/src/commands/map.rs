@@ -234,6 +234,7 @@ fn job(args: &MapArgs, map: DeformedMap, scene: &DeformedScene, fonts: Fonts) ->
             .wireframe
             .then(|| Wireframe { width_px: (0.4 * sheet.point_px) as f32, ..Wireframe::default() }),
         antialias: true,
+        is_checked: args.fineness.check,
         seen_from: if args.overlay.from_ground {
             SeenFrom::Ground { eye_above_m: STANDING_M }
         } else {

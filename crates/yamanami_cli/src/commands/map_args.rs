@@ -132,6 +132,9 @@ pub(crate) struct MapFinenessArgs {
     /// Most triangles
     #[arg(long, value_name = "N", value_parser = values::budget)]
     pub(crate) budget: Option<u32>,
+    /// Measure how far every sample of the heights is drawn from its place
+    #[arg(long)]
+    pub(crate) check: bool,
 }
 
 /// What is drawn besides the ground.

@@ -71,6 +71,19 @@ pub(super) fn print(
         Some(px) => out::row("error", format_args!("at most {} px, everywhere", text::number(f64::from(px))))?,
         None => out::row("error", "not bounded by the paper's bands")?,
     }
+    if let Some(e) = &made.errors {
+        out::row(
+            "measured",
+            format_args!(
+                "at {} samples: at most {} px, 99.9 % within {} px, RMS {} px, {:.3} % of 3.5 px and more",
+                text::count(e.samples as u64),
+                text::number(e.max_px),
+                text::number(e.p999_px),
+                text::number(e.rms_px),
+                100.0 * e.over_large
+            ),
+        )?;
+    }
     if !made.composed.labels.is_empty() {
         let shown = count(made, Outcome::Shown) + count(made, Outcome::ShownHidden);
         out::row(
@@ -157,6 +170,13 @@ pub(super) fn to_json(
         "triangles": made.triangles,
         "full_triangles": full,
         "error_bound_px": made.error_px,
+        "measured": made.errors.map(|e| json!({
+            "samples": e.samples,
+            "max_px": e.max_px,
+            "p999_px": e.p999_px,
+            "rms_px": e.rms_px,
+            "share_over_3_5_px": e.over_large,
+        })),
         "worst_name_error_px": worst_name_px(made),
         "names": names,
         "read_ms": times.read_ms,
