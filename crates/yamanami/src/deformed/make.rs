@@ -119,24 +119,18 @@ pub fn make_map(
     let view = &job.view;
     scene.check(&view.map).map_err(|fault| Error::Request(fault.to_string()))?;
     progress("mesh", 0.0);
-    let (mut error_px, mut errors) = (None, None);
-    let built;
-    match job.mesh {
+    let (built, error_px, errors) = match job.mesh {
         MapMesh::Exact { tolerance_px, budget } => {
-            error_px = Some(scene.update(view, tolerance_px, budget)?.report.error_left);
-            errors = job.is_checked.then(|| scene.measure(view));
-            built = None;
+            let error_px = scene.update(view, tolerance_px, budget)?.report.error_left;
+            (None, Some(error_px), job.is_checked.then(|| scene.measure(view)))
         }
         MapMesh::Paper => {
             let mesh = paper_mesh(scene, view)?;
-            errors = job.is_checked.then(|| measure_mesh(view, scene.field().widest(), &mesh));
-            built = Some(ResidentBuffers::from_mesh(&mesh));
+            let errors = job.is_checked.then(|| measure_mesh(view, scene.field().widest(), &mesh));
+            (Some(ResidentBuffers::from_mesh(&mesh)), None, errors)
         }
-        MapMesh::Full => {
-            (error_px, errors) = (Some(0.0), None);
-            built = Some(scene.full_mesh());
-        }
-    }
+        MapMesh::Full => (Some(scene.full_mesh()), Some(0.0), None),
+    };
     let field = scene.field();
     progress("colours", 0.0);
     let mut pictures = paint(field, &job.relief, view.map.centre);

@@ -83,7 +83,23 @@ pub(super) struct Times {
     pub(super) write_ms: f64,
 }
 
+/// A map written, and what it was made of.
+pub(super) struct Written {
+    pub(super) job: MapJob,
+    pub(super) ground: MapGround,
+    pub(super) full_triangles: u64,
+    pub(super) places: Vec<NamedPlace>,
+    pub(super) made: MadeMap,
+    pub(super) times: Times,
+}
+
 pub(crate) fn run(args: &MapArgs) -> Result<(), Failure> {
+    let written = write_map(args)?;
+    if args.json { out::json(&map_text::to_json(&written)) } else { map_text::print(&args.output, &written) }
+}
+
+/// Makes the map and writes it.
+pub(super) fn write_map(args: &MapArgs) -> Result<Written, Failure> {
     let mut inputs = args.sources.clone();
     inputs.extend(args.overlay.files());
     inputs::check_output(&args.output, &MAP_ENDINGS, &inputs)?;
@@ -141,23 +157,8 @@ pub(crate) fn run(args: &MapArgs) -> Result<(), Failure> {
     let (_, dpi) = args.sheet.size_px();
     let made = write(&args.output, made, &job, dpi)?;
     times.write_ms = ms(started);
-    report(args, &job, &ground, &scene, &places, &made, &times)
-}
-
-fn report(
-    args: &MapArgs,
-    job: &MapJob,
-    ground: &MapGround,
-    scene: &DeformedScene,
-    places: &[NamedPlace],
-    made: &MadeMap,
-    times: &Times,
-) -> Result<(), Failure> {
-    let full = map_text::full_triangles(scene.field(), &job.view);
-    if args.json {
-        return out::json(&map_text::to_json(job, ground, full, places, made, times));
-    }
-    map_text::print(&args.output, job, ground, full, made, times)
+    let full_triangles = map_text::full_triangles(scene.field(), &job.view);
+    Ok(Written { job, ground, full_triangles, places, made, times })
 }
 
 fn ms(since: Instant) -> f64 {

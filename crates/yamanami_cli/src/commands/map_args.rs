@@ -166,7 +166,7 @@ pub(crate) struct OverlayArgs {
     #[arg(long, value_enum, default_value_t, value_name = "FORM")]
     pub(crate) letters: Letters,
     /// Rings of names around the horizon
-    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=3))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=3))]
     pub(crate) name_rings: u32,
     /// Language of the sheet
     #[arg(long, value_enum, default_value_t, value_name = "LANG")]

@@ -1,13 +1,13 @@
 //! What `map` tells: as lines, or as JSON with the place of every name.
 
-use super::map::Times;
+use super::map::Written;
 use crate::failure::Failure;
 use crate::{out, text};
 use serde_json::{Value, json};
 use std::path::Path;
-use yamanami::core::{MapView, NamedPlace, NestedField};
+use yamanami::MadeMap;
+use yamanami::core::{MapView, NestedField};
 use yamanami::map::Outcome;
-use yamanami::{MadeMap, MapGround, MapJob};
 
 /// Triangles of every sample within the rim: two a cell of the finest grid there.
 pub(super) fn full_triangles(field: &NestedField, view: &MapView) -> u64 {
@@ -38,14 +38,8 @@ fn count(made: &MadeMap, outcome: Outcome) -> usize {
     made.composed.labels.iter().filter(|label| label.outcome == outcome).count()
 }
 
-pub(super) fn print(
-    file: &Path,
-    job: &MapJob,
-    ground: &MapGround,
-    full: u64,
-    made: &MadeMap,
-    times: &Times,
-) -> Result<(), Failure> {
+pub(super) fn print(file: &Path, written: &Written) -> Result<(), Failure> {
+    let Written { job, ground, full_triangles: full, made, times, .. } = written;
     let [width, height] = job.view.size_px;
     out::row("map", format_args!("{}, {width} x {height} px", file.display()))?;
     for source in &ground.sources {
@@ -57,13 +51,13 @@ pub(super) fn print(
         "heights",
         format_args!("{} known within the rim, in grids of {}", percent(ground.known_share), grids.join(", ")),
     )?;
-    let ratio = full as f64 / made.triangles.max(1) as f64;
+    let ratio = *full as f64 / made.triangles.max(1) as f64;
     out::row(
         "triangles",
         format_args!(
             "{} of {} ({} times fewer)",
             text::count(made.triangles as u64),
-            text::count(full),
+            text::count(*full),
             text::number(ratio)
         ),
     )?;
@@ -116,14 +110,8 @@ fn percent(share: f64) -> String {
     format!("{:.1} %", 100.0 * share)
 }
 
-pub(super) fn to_json(
-    job: &MapJob,
-    ground: &MapGround,
-    full: u64,
-    places: &[NamedPlace],
-    made: &MadeMap,
-    times: &Times,
-) -> Value {
+pub(super) fn to_json(written: &Written) -> Value {
+    let Written { job, ground, full_triangles: full, places, made, times } = written;
     let (view, map) = (&job.view, &job.view.map);
     let names: Vec<Value> = made
         .composed

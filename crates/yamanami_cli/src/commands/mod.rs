@@ -9,6 +9,7 @@ mod cleaning;
 mod coast;
 mod compare;
 mod demo;
+mod demo_map;
 mod extract;
 mod flight_path;
 mod flight_text;
