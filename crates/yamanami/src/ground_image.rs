@@ -165,7 +165,7 @@ fn shrunk(part: RgbaImage) -> RgbaImage {
 }
 
 /// The six numbers of the world file beside an image, if there is one.
-fn world_file(image: &Path) -> Result<Option<[f64; 6]>, Error> {
+pub(crate) fn world_file(image: &Path) -> Result<Option<[f64; 6]>, Error> {
     let endings = ["wld", "pgw", "jgw", "tfw", "pngw", "jpgw"];
     let Some(file) = endings.iter().map(|e| image.with_extension(e)).find(|f| f.is_file()) else { return Ok(None) };
     let bad = || {

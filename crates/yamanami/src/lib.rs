@@ -56,7 +56,10 @@ pub use bench::{measure_rate, triangles_at_rate};
 pub use camera::{overview, view_between};
 pub use canvas::{Canvas, DrawWith, Upload};
 pub use data::Data;
-pub use deformed::{BaseOptions, DeformedScene, MapUpdate, draw_base, rank_by_prominence};
+pub use deformed::{
+    BaseOptions, DeformedScene, MadeMap, MapErrors, MapImage, MapJob, MapMesh, MapUpdate, draw_base, lay_lines,
+    lay_places, make_map, rank_by_prominence,
+};
 pub use error::Error;
 pub use extract::{Extracted, Frame, extract, to_frame};
 pub use flight::{FlightMode, FlightOptions, FrameStats, Lod, fly};

@@ -49,9 +49,10 @@ impl Fonts {
         Ok(Self { own: Some(own), families: families(&database), database: Arc::new(database) })
     }
 
-    /// The font files that ship with the project, first choice first, for programs that letter windows.
-    pub fn shipped_files() -> [&'static [u8]; 2] {
-        SHIPPED
+    /// The font files, first choice first, for programs that letter windows.
+    pub fn files(&self) -> Vec<Arc<[u8]>> {
+        let own = self.own.iter().map(|data| data.as_slice());
+        own.chain(SHIPPED).map(Arc::from).collect()
     }
 
     /// Names of the families, first choice first, as SVG's `font-family` takes them.

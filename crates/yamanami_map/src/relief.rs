@@ -65,8 +65,8 @@ impl Default for ReliefStyle {
             sun_azimuth_rad: 315f32.to_radians(),
             sun_altitude_rad: 45f32.to_radians(),
             is_multi_directional: true,
-            steepen: 1.6,
-            strength: 0.85,
+            steepen: 2.0,
+            strength: 1.0,
             water: [150, 186, 208],
             shore: [205, 224, 232],
             sea_level_m: Some(0.4),
@@ -116,6 +116,8 @@ pub struct GroundPicture {
 
 /// Lights besides the main one: azimuth from it in radians.
 const SIDE_LIGHTS: [f32; 3] = [-1.57, -0.79, 0.79];
+/// What the main light counts; another counts up to 1, where it comes from across the slope.
+const MAIN_WEIGHT: f32 = 2.2;
 /// What a slope towards the main light gains of white, and what a slope away loses to the shadow's colour.
 const SUNLIT: Vec3 = Vec3::new(1.0, 0.985, 0.93);
 const SHADOW: Vec3 = Vec3::new(0.30, 0.34, 0.50);
@@ -192,7 +194,7 @@ fn lit(style: &ReliefStyle, lights: &[Vec3], height_m: f32, slope: [f32; 2]) -> 
     let (mut light, mut weights) = (0.0, 0.0);
     for (i, to_light) in lights.iter().enumerate() {
         let across = to_light.truncate().normalize_or_zero().perp_dot(downhill);
-        let weight = if i == 0 { 1.2 } else { across * across };
+        let weight = if i == 0 { MAIN_WEIGHT } else { across * across };
         light += weight * normal.dot(*to_light).max(0.0) / to_light.z.max(0.05);
         weights += weight;
     }

@@ -11,7 +11,7 @@ use yamanami_testkit::{RandomFront, Shape, Spacing, SyntheticTerrain};
 /// Nested grids around one place, the coarsest of this spacing, over ground that is fractal at the finest.
 fn field(halves: &[u32], spacing_m: f64, seed: u64) -> NestedField {
     let finest = halves.len() - 1;
-    let widest = (2 * halves[0] << finest) as usize + 1;
+    let widest = ((2 * halves[0]) << finest) as usize + 1;
     let shape = Shape::Fractal { relief_m: 900.0, roughness: 0.55, seed };
     let ground = SyntheticTerrain::new(widest, widest, shape, Spacing::Metres(1.0)).to_field();
     let level = |(i, &half): (usize, &u32)| {
@@ -163,6 +163,24 @@ fn a_front_is_asked_at_any_place() {
     let corner = rtin.front_at(&active, DVec2::new(32.0 * 200.0, -32.0 * 200.0));
     assert_eq!(off, corner);
     assert!(rtin.front_at(&active, DVec2::NAN).corners[0].is_finite());
+}
+
+#[test]
+fn normals_are_the_finest_grid_s() {
+    let slope = |spacing_m: f64, half: i32| {
+        let z =
+            |n: i32| 0.5 * spacing_m * f64::from(n % (2 * half + 1)) - 0.25 * spacing_m * f64::from(n / (2 * half + 1));
+        FieldLevel::new(spacing_m, half as u32, (0..(2 * half + 1).pow(2)).map(|n| z(n) as f32).collect())
+    };
+    // two planes of one slope, one above the other: the finer grid's stands out by a step
+    let rtin = Rtin::build(NestedField::new(vec![slope(100.0, 10), slope(50.0, 8)]), &BuildOptions::default()).unwrap();
+    let mesh = rtin.mesh_of(&|_: NodeId| true);
+    let expected = DVec3::new(-0.5, -0.25, 1.0).normalize();
+    for (p, n) in mesh.positions.iter().zip(&mesh.normals) {
+        if p.truncate().abs().max_element() < 400.0 {
+            assert!((DVec3::from(n.map(f64::from)) - expected).length() < 1e-6, "{p} {n:?}");
+        }
+    }
 }
 
 #[test]

@@ -6,7 +6,7 @@ use crate::Error;
 use crate::page::{Page, count, write_csv};
 use std::path::{Path, PathBuf};
 use yamanami_measure::plot::{Chart, Reference, Series, Style, lines};
-use yamanami_measure::{LARGE_PX, SPLIT_PX, SigmaRow};
+use yamanami_measure::{DistanceBin, LARGE_PX, SPLIT_PX, SigmaRow};
 
 /// Most points of figure 14.
 const MOST_POINTS: usize = 6_000;
@@ -135,7 +135,7 @@ fn expected(found: &Findings, out: &Path, page: &mut Page) -> Result<(), Error> 
     page.text(
         "e by distance: how far the picture moves when the height that the triangles there typically hide, (a/2)·σ(a) in the \
          roughest square, is left out. The rule splits at 1.5 px. The paper says \"the error at the middle of the hypotenuse\": \
-         with the middle as drawn, the bend of the projection counts too, which near the ring is the greater part.",
+         with the middle as drawn, the bend of the projection counts too, the greater part near the ring on gentle ground.",
     );
     let [printed, measured, bent] = &found.tables.expected;
     let series = |name: &str, points: &[[f64; 2]]| Series {
@@ -177,7 +177,7 @@ fn peaks(found: &Findings, out: &Path, page: &mut Page) -> Result<(), Error> {
     page.text(format!(
         "A mesh of 6,400 m spacing under each rule: how far all samples are from it vertically, and how {} summits of {:.0} m \
          prominence and more are drawn by the vertex that stands for them. The paper's rule raises slopes as well as \
-         summits, which shows as bias; moving summits and ridges alone does not.",
+         summits, which shows as bias; moving summits and ridges alone raises less.",
         count(summits as u64),
         super::peaks::MIN_PROMINENCE_M
     ));
@@ -290,9 +290,12 @@ fn by_distance(found: &Findings, out: &Path, page: &mut Page) -> Result<(), Erro
     };
     for mode in &found.modes {
         let file = format!("fig14_{}.png", mode.file);
-        let series = Series { name: mode.name.to_owned(), points: points(mode), style: Style::Points };
+        let series = vec![
+            Series { name: mode.name.to_owned(), points: points(mode), style: Style::Points },
+            Series { name: "greatest in 5 km".to_owned(), points: of_bins(mode, |bin| bin.max_px), style: Style::Line },
+        ];
         let reference = Some(Reference { name: "3.5 px".to_owned(), y: LARGE_PX });
-        chart(&out.join(&file), "Figure 14: errors of 3.5 px and more", "error (px)", vec![series], reference)?;
+        chart(&out.join(&file), "Figure 14: errors of 3.5 px and more", "error (px)", series, reference)?;
         let within = mode.report.large.iter().filter(|point| point[0] <= 40_000.0).count();
         let large = mode.report.large.len();
         page.picture(
@@ -305,17 +308,10 @@ fn by_distance(found: &Findings, out: &Path, page: &mut Page) -> Result<(), Erro
             ),
         );
     }
-    let bins = |value: fn(&yamanami_measure::DistanceBin) -> f64| -> Vec<Series> {
-        let middle = |bin: &yamanami_measure::DistanceBin| 0.5 * (bin.near_m + bin.far_m) / 1e3;
+    let bins = |value: fn(&DistanceBin) -> f64| -> Vec<Series> {
         let series = |mode: &Mode| Series {
             name: mode.name.to_owned(),
-            points: mode
-                .report
-                .bins
-                .iter()
-                .filter(|bin| bin.samples > 0)
-                .map(|bin| [middle(bin), value(bin)])
-                .collect(),
+            points: of_bins(mode, value),
             style: Style::LineAndPoints,
         };
         found.modes.iter().map(series).collect()
@@ -335,6 +331,12 @@ fn by_distance(found: &Findings, out: &Path, page: &mut Page) -> Result<(), Erro
         })
     });
     write_csv(&out.join("fig14.csv"), "mode,near_m,far_m,samples,large,max_px,rms_px", &rows.collect::<Vec<_>>())
+}
+
+/// A value of each bin over its middle, km.
+fn of_bins(mode: &Mode, value: fn(&DistanceBin) -> f64) -> Vec<[f64; 2]> {
+    let bins = mode.report.bins.iter().filter(|bin| bin.samples > 0);
+    bins.map(|bin| [0.5e-3 * (bin.near_m + bin.far_m), value(bin)]).collect()
 }
 
 fn chart(

@@ -52,8 +52,7 @@ impl Source {
             sources.push(Self { reader: Reader::Files(dem), geo, size, parts });
         }
         for source in &sources {
-            let [x, y] = source.geo.source_from_grid(0.5 * source.size[0] as f64, 0.5 * source.size[1] as f64);
-            if crs::to_lon_lat(&source.geo.crs, x, y).is_none() {
+            if !crs::is_known(&source.geo.crs) {
                 let (name, crs) = (source.label().display(), &source.geo.crs.name);
                 let crs = if crs.is_empty() { "none is stated" } else { crs };
                 return Err(Error::Request(format!(

@@ -2,7 +2,7 @@
 
 use super::flight_path::PathArgs;
 use super::flight_text::{frames_json, frames_per_s, print_summary, summary_json};
-use super::{fly, render};
+use super::{demo_map, fly, render};
 use crate::args::{DrawArgs, ReadingArgs, SEEN_PX};
 use crate::failure::Failure;
 use crate::progress::{Bar, note};
@@ -31,8 +31,8 @@ const SPEED_M: f64 = 45.0;
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Reads a bundled DEM of the San Gabriel Mountains (SRTM, 1197 x 643 samples of 30 m), builds its
-surface database, draws it, flies over it with at most 20,000 triangles, and leaves all results in
-the folder.")]
+surface database, draws it, flies over it with at most 20,000 triangles, makes a deformed map of Kofu
+and the mountains around it, and leaves all results in the folder.")]
 pub(crate) struct DemoArgs {
     /// Folder for the results
     #[arg(short, long, value_name = "DIR", default_value = "demo-out")]
@@ -150,9 +150,15 @@ pub(crate) fn run(args: &DemoArgs) -> Result<(), Failure> {
     print_summary(&flown.frames, Some(BUDGET), false)?;
     comparison.print()?;
     out::line("")?;
+    demo_map::run(&args.output)?;
+    out::line("")?;
     out::row(
         "written",
-        format_args!("{}: bigtujunga.yama, relief.png, wireframe.png, {}", args.output.display(), written.join(", ")),
+        format_args!(
+            "{}: bigtujunga.yama, relief.png, wireframe.png, map.png, {}",
+            args.output.display(),
+            written.join(", ")
+        ),
     )?;
     note(&format!("all of it took {} s", text::number(started.elapsed().as_secs_f64())));
     let (folder, name) = (args.output.display(), database.display());
@@ -160,5 +166,6 @@ pub(crate) fn run(args: &DemoArgs) -> Result<(), Failure> {
     out::line("Next, with your own DEM in place of the database:")?;
     out::line(format_args!("  yamanami extract {name} --tolerance 10 --check -o {folder}/mesh.glb"))?;
     out::line(format_args!("  yamanami render {name} --budget 20000 --wireframe -o {folder}/mine.png"))?;
-    out::line(format_args!("  yamanami fly {name} --budget 100000 --path orbit -o {folder}/orbit"))
+    out::line(format_args!("  yamanami fly {name} --budget 100000 --path orbit -o {folder}/orbit"))?;
+    out::line(format_args!("  yamanami map {folder}/map-data/*.tif --at 35.36,138.73 -o {folder}/fuji.png"))
 }

@@ -4,7 +4,19 @@ use crate::failure::Failure;
 use crate::values;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
-use yamanami::core::{Curvature, DeformedMap, DropFrom};
+use yamanami::core::{Crs, Curvature, DeformedMap, DropFrom, LineKind, MapLine, NamedPlace};
+use yamanami::io::crs::AzimuthalPlane;
+use yamanami::io::geodata::{LineReadOptions, PlaceReadOptions, read_lines, read_places};
+use yamanami::map::{BearingRing, NameForm, ReliefStyle, SheetOptions};
+use yamanami::multires::rtin::SummitRule;
+use yamanami::{MapGroundOptions, lay_lines, lay_places};
+
+/// Nearest grid of heights, as a share of the widest one's spacing.
+const FINEST_SHARE: f64 = 0.125;
+/// Ground up to this height is sea, metres.
+const SEA_M: f32 = 0.4;
+/// Summits that stand out stay in the mesh longer than their error alone would keep them.
+pub(crate) const SUMMITS: SummitRule = SummitRule { factor: 1.0, min_prominence_m: 100.0 };
 
 /// Where the map stands and how far it reaches.
 #[derive(Debug, Clone, Args)]
@@ -25,6 +37,29 @@ pub(crate) struct PlaceArgs {
     /// What ground without data is
     #[arg(long, value_enum, default_value_t, value_name = "WHAT")]
     pub(crate) no_data: NoData,
+}
+
+impl PlaceArgs {
+    /// The ground to read.
+    pub(crate) fn ground(&self) -> MapGroundOptions {
+        let [lat, lon] = self.at;
+        MapGroundOptions {
+            radius_m: 1000.0 * self.radius,
+            spacing_m: self.spacing,
+            finest_spacing_m: FINEST_SHARE * self.spacing,
+            no_data: match self.no_data {
+                NoData::Sea => yamanami::NoData::Sea,
+                NoData::Blank => yamanami::NoData::Hole,
+            },
+            ..MapGroundOptions::around([lon, lat])
+        }
+    }
+
+    /// Its colours in air of this haze, metres.
+    pub(crate) fn relief(&self, haze_m: f64) -> ReliefStyle {
+        let sea_level_m = (self.no_data == NoData::Sea).then_some(SEA_M);
+        ReliefStyle { haze_m, sea_level_m, ..ReliefStyle::default() }
+    }
 }
 
 /// What ground without data is.
@@ -128,6 +163,9 @@ pub(crate) struct MapFinenessArgs {
     /// Most triangles
     #[arg(long, value_name = "N", value_parser = values::budget)]
     pub(crate) budget: Option<u32>,
+    /// Measure how far every sample of the heights is drawn from its place
+    #[arg(long)]
+    pub(crate) check: bool,
 }
 
 /// What is drawn besides the ground.
@@ -152,15 +190,78 @@ pub(crate) struct OverlayArgs {
     /// Name only what is seen by somebody standing at the centre
     #[arg(long)]
     pub(crate) from_ground: bool,
-    /// Most names
-    #[arg(long, value_name = "N", default_value_t = 120)]
-    pub(crate) most_names: usize,
+    /// CRS of the picture's world file [default: longitude and latitude]
+    #[arg(long, value_name = "EPSG", value_parser = values::epsg, requires = "image")]
+    pub(crate) image_crs: Option<Crs>,
+    /// What names are written in
+    #[arg(long, value_enum, default_value_t, value_name = "FORM")]
+    pub(crate) letters: Letters,
+    /// Rings of names around the horizon
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=3))]
+    pub(crate) name_rings: u32,
     /// Language of the sheet
     #[arg(long, value_enum, default_value_t, value_name = "LANG")]
     pub(crate) lang: Lang,
     /// A font for names whose letters the program's own lacks: TTF or OTF
     #[arg(long, value_name = "FILE")]
     pub(crate) font: Option<PathBuf>,
+}
+
+/// What names are written in.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Letters {
+    /// As given
+    #[default]
+    Local,
+    /// Latin letters, from the reading where there are none
+    Latin,
+    /// As given, and small beside it the reading or Latin letters
+    Both,
+}
+
+impl OverlayArgs {
+    /// All files that are read.
+    pub(crate) fn files(&self) -> impl Iterator<Item = PathBuf> {
+        let single = self.image.iter().chain(&self.font);
+        self.places.iter().chain(&self.lines).chain(&self.track).chain(single).cloned().collect::<Vec<_>>().into_iter()
+    }
+
+    pub(crate) fn names(&self) -> NameForm {
+        match self.letters {
+            Letters::Local => NameForm::Local,
+            Letters::Latin => NameForm::Latin,
+            Letters::Both => NameForm::Both,
+        }
+    }
+}
+
+/// Places, lines, and what was skipped of them, one line each.
+type ReadOverlay = (Vec<NamedPlace>, Vec<MapLine>, Vec<String>);
+
+/// Places and lines of all files, laid into the plane, and what was skipped, one line each.
+pub(crate) fn map_places_and_lines(overlay: &OverlayArgs, plane: &AzimuthalPlane) -> Result<ReadOverlay, Failure> {
+    let (mut places, mut lines, notes) = places_and_lines(overlay)?;
+    lay_places(&mut places, plane);
+    lay_lines(&mut lines, plane);
+    Ok((places, lines, notes))
+}
+
+/// The same in longitude and latitude.
+pub(crate) fn places_and_lines(overlay: &OverlayArgs) -> Result<ReadOverlay, Failure> {
+    let (mut places, mut lines, mut notes) = (Vec::new(), Vec::new(), Vec::new());
+    for file in &overlay.places {
+        let read = read_places(file, &PlaceReadOptions::default())?;
+        places.extend(read.places);
+        notes.extend(read.notes.iter().map(|note| format!("{}: {note}", file.display())));
+    }
+    let of_kind = |kind| LineReadOptions { kind, ..LineReadOptions::default() };
+    let tracks = overlay.track.iter().map(|file| (file, of_kind(Some(LineKind::Track))));
+    for (file, options) in overlay.lines.iter().map(|file| (file, of_kind(None))).chain(tracks) {
+        let read = read_lines(file, &options)?;
+        lines.extend(read.lines);
+        notes.extend(read.notes.iter().map(|note| format!("{}: {note}", file.display())));
+    }
+    Ok((places, lines, notes))
 }
 
 /// Language of the sheet's own words.
@@ -232,18 +333,35 @@ pub(crate) struct SheetArgs {
     /// Distance at which ground has faded into the air by two thirds, kilometres; 0 for clear air
     #[arg(long, value_name = "KM", default_value_t = 230.0, value_parser = values::not_negative)]
     pub(crate) haze: f64,
+    /// Colours of height reach to the highest ground of the map, not to 3,700 m
+    #[arg(long)]
+    pub(crate) stretch: bool,
     /// Draw the mesh
     #[arg(long)]
     pub(crate) wireframe: bool,
 }
 
 impl SheetArgs {
-    /// Size in pixels, and pixels in a millimetre of paper.
-    pub(crate) fn size_px(&self) -> ([u32; 2], f64) {
-        let Some(paper) = self.paper else { return (self.size.unwrap_or([1600, 1600]), 1600.0 / 210.0) };
-        let per_mm = self.dpi / 25.4;
+    /// Size in pixels, and dots an inch of the paper; none on a screen.
+    pub(crate) fn size_px(&self) -> ([u32; 2], Option<f64>) {
+        let Some(paper) = self.paper else { return (self.size.unwrap_or([1600, 1600]), None) };
         let [short, long] = paper.size_mm();
         let mm = if self.landscape { [long, short] } else { [short, long] };
-        (mm.map(|side| (side * per_mm).round().max(1.0) as u32), per_mm)
+        (mm.map(|side| (side * self.dpi / 25.4).round().max(1.0) as u32), Some(self.dpi))
+    }
+
+    /// A sheet with nothing but the ground.
+    pub(crate) fn bare(&self) -> SheetOptions {
+        SheetOptions {
+            has_names: false,
+            bearing: BearingRing::Off,
+            has_distance_rings: false,
+            has_scale_bar: false,
+            has_legend: false,
+            has_title: false,
+            has_credits: false,
+            has_frame: false,
+            ..SheetOptions::default()
+        }
     }
 }

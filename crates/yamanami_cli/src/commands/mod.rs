@@ -9,6 +9,7 @@ mod cleaning;
 mod coast;
 mod compare;
 mod demo;
+mod demo_map;
 mod extract;
 mod flight_path;
 mod flight_text;
@@ -21,8 +22,9 @@ mod info_mesh;
 mod info_model;
 mod info_text;
 mod info_tin;
-#[allow(dead_code, reason = "what the command `map` takes beside the window")]
+mod map;
 mod map_args;
+mod map_text;
 mod profile;
 mod progressive;
 mod reduce;
@@ -84,6 +86,7 @@ enum Command {
     ViewMap(Box<view_map::ViewMapArgs>),
     Fly(Box<fly::FlyArgs>),
     Render(render::RenderArgs),
+    Map(Box<map::MapArgs>),
     Extract(Box<extract::ExtractArgs>),
     Reduce(Box<reduce::ReduceArgs>),
     Compare(compare::CompareArgs),
@@ -116,6 +119,7 @@ impl Program {
             Command::Reduce(args) => reduce::run(args),
             Command::Compare(args) => compare::run(args),
             Command::Heights(args) => heights::run(args),
+            Command::Map(args) => map::run(args),
             Command::Profile(args) => profile::run(args),
             Command::Tin(args) => tin::run(args),
             Command::Volume(args) => volume::run(args),

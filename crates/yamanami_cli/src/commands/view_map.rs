@@ -6,6 +6,14 @@ use crate::failure::Failure;
 use crate::values;
 use clap::Args;
 use std::path::PathBuf;
+#[cfg(feature = "viewer")]
+use {
+    super::map_args::{Letters, SUMMITS, places_and_lines},
+    crate::progress::note,
+    yamanami::MapImage,
+    yamanami::map::latin_name,
+    yamanami::multires::rtin::BuildOptions,
+};
 
 /// A deformed map in a window: near a map, far away a panorama, to be dragged about
 #[derive(Debug, Args)]
@@ -38,48 +46,29 @@ pub(crate) struct ViewMapArgs {
     pub(crate) screenshot: Option<PathBuf>,
 }
 
+/// Distance at which ground has faded into the air by two thirds, metres.
+#[cfg(feature = "viewer")]
+const HAZE_M: f64 = 230e3;
+
 #[cfg(feature = "viewer")]
 pub(crate) fn run(args: &ViewMapArgs) -> Result<(), Failure> {
-    use super::map_args::NoData;
-    use crate::progress::note;
-    use yamanami::core::LineKind;
-    use yamanami::io::geodata::{LineReadOptions, PlaceReadOptions, read_lines, read_places};
-
     let (place, overlay) = (&args.place, &args.overlay);
-    if overlay.image.is_some() {
-        return Err(Failure::misuse("--image: the window of maps lays no pictures over the ground"));
-    }
     let map = args.projection.map()?;
-    let mut places = Vec::new();
-    for file in &overlay.places {
-        let read = read_places(file, &PlaceReadOptions::default())?;
-        read.notes.iter().for_each(|line| note(&format!("note: {line}")));
-        places.extend(read.places);
+    let fonts = super::map::fonts(overlay)?;
+    let (mut places, lines, notes) = places_and_lines(overlay)?;
+    notes.iter().for_each(|line| note(line));
+    if overlay.letters == Letters::Latin {
+        for place in &mut places {
+            place.name = latin_name(place).unwrap_or_else(|| std::mem::take(&mut place.name));
+        }
     }
-    let mut lines = Vec::new();
-    let tracks = overlay.track.iter().map(|file| (file, Some(LineKind::Track)));
-    for (file, kind) in overlay.lines.iter().map(|file| (file, None)).chain(tracks) {
-        let read = read_lines(file, &LineReadOptions { kind, ..LineReadOptions::default() })?;
-        read.notes.iter().for_each(|line| note(&format!("note: {line}")));
-        lines.extend(read.lines);
-    }
-    let font = overlay.font.as_ref().map(std::fs::read).transpose()?;
-    if let Some(font) = &font {
-        yamanami::map::Fonts::with(font.clone())?;
-    }
-    let [lat, lon] = place.at;
-    crate::view::map::run(crate::view::map::Options {
+    let image = overlay.image.as_deref().map(|file| MapImage::read(file, overlay.image_crs.as_ref())).transpose()?;
+    let options = crate::view::map::Options {
         sources: args.source.sources.clone(),
         reading: args.source.reading.options().dem,
-        ground: yamanami::MapGroundOptions {
-            radius_m: 1000.0 * place.radius,
-            spacing_m: place.spacing,
-            no_data: match place.no_data {
-                NoData::Sea => yamanami::NoData::Sea,
-                NoData::Blank => yamanami::NoData::Hole,
-            },
-            ..yamanami::MapGroundOptions::around([lon, lat])
-        },
+        ground: place.ground(),
+        build: BuildOptions { summits: Some(SUMMITS) },
+        relief: place.relief(HAZE_M),
         map,
         up_azimuth_rad: place.up.to_radians(),
         tolerance_px: args.tolerance_px,
@@ -88,12 +77,11 @@ pub(crate) fn run(args: &ViewMapArgs) -> Result<(), Failure> {
         lines,
         hidden: overlay.hidden,
         from_ground: overlay.from_ground,
-        most_names: overlay.most_names,
-        font,
+        fonts,
         size: args.size.unwrap_or([1280, 800]),
         screenshot: args.screenshot.clone(),
-    })
-    .map_err(Failure::failed)
+    };
+    crate::view::map::run(options, image).map_err(Failure::failed)
 }
 
 #[cfg(not(feature = "viewer"))]

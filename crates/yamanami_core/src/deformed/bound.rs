@@ -28,9 +28,9 @@ pub struct Patch {
     pub high_m: f64,
 }
 
-/// cos φ where −T_dd·D² is greatest for depths above 0 (0.907 radians), and its value there.
-const MOST_BENT_COS: f64 = 0.616;
-const MOST_BENT: f64 = 0.4873;
+/// cos φ where −T_dd·D² is greatest for depths above 0 (0.9585 radians), and its value there, rounded up.
+const MOST_BENT_COS: f64 = 0.574_743;
+const MOST_BENT: f64 = 0.488_337;
 
 /// (d / Z) where ∂ρ/∂z of one depth is greatest: the square root of the golden ratio.
 const STEEPEST: f64 = 1.272_019_649_514_069;
@@ -89,11 +89,11 @@ impl DeformedMap {
         // slope of depth along a line: of the triangle's plane, and of the curved Earth
         let bend_per_m = self.bend_per_m();
         let slope = self.exaggeration * (2.0 * rise_m / edge_m + bend_per_m * self.drop_distance_m(r1));
-        let by_slope = 2.0 * w * s * t_dz * slope
-            + w * s * t_zz * slope * slope
-            + 2.0 * s * lean * slope * (w / r0 + w1)
-            + w * s * lean * self.exaggeration * bend_per_m;
-        along.max(across).hypot(across) + by_slope
+        // what the slope adds along the radius and across it: a line has its share of either
+        let by_slope = 2.0 * slope * (w * t_dz + w1 * lean).max(w * lean / r0)
+            + w * t_zz * slope * slope
+            + w * lean * self.exaggeration * bend_per_m;
+        most_bent(along, across) + s * by_slope
     }
 
     /// What the change of slope at the ring may add.
@@ -106,6 +106,13 @@ impl DeformedMap {
         // a quarter of the edge were the ring straight; the rest is for its sagitta
         (1.0 - self.alpha) * jump[0].max(jump[1]) * edge_m * (0.25 + 0.25 * edge_m / self.ring_m)
     }
+}
+
+/// Greatest length of (b·x² + a·y², 2a·x·y) for x² + y² = 1: of the second derivative along a line of the plane, where b is
+/// the radius's own and a is ρ / r² − ∂ρ/∂r / r.
+#[inline]
+fn most_bent(b: f64, a: f64) -> f64 {
+    if b >= 2.0 * a { b } else { 2.0 * a * (a / (3.0 * a - b)).sqrt() }
 }
 
 /// An angle φ from straight down, by what the derivatives need of it.

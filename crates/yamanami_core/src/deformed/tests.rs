@@ -185,6 +185,33 @@ fn the_bound_bounds() {
     assert!(tried > 100_000 && tightest > 0.5, "{tried} tried, the closest came to {tightest} of its bound");
 }
 
+/// Far from the ring ground may stand above the eye.
+#[test]
+fn ground_above_the_eye_has_a_bound_that_grows_too() {
+    let mut n = Numbers(3);
+    let mut above = 0;
+    for _ in 0..20_000 {
+        let m = DeformedMap { eye_m: n.between(500.0, 2000.0), ring_m: n.between(2e3, 9e3), ..map(0.0, 1.0) };
+        let [low_m, high_m] = [n.between(0.0, 3000.0), n.between(0.0, 3000.0)];
+        let patch = Patch {
+            centre: DVec2::from_angle(n.between(0.0, TAU)) * n.between(1.0, 60e3),
+            radius_m: n.between(1.0, 4e3),
+            low_m: low_m.min(high_m),
+            high_m: low_m.max(high_m),
+        };
+        let inner = Patch {
+            centre: patch.centre + DVec2::from_angle(n.between(0.0, TAU)) * 0.5 * patch.radius_m,
+            radius_m: n.between(0.0, 0.5) * patch.radius_m,
+            low_m: patch.low_m + n.between(0.0, 0.5) * (patch.high_m - patch.low_m),
+            ..patch
+        };
+        let [outer, inner] = [&patch, &inner].map(|p| m.error_bound(p, 20.0, patch.radius_m, 100.0));
+        assert!(inner <= outer * (1.0 + 1e-9), "{inner} over {outer}: {m:?} {patch:?}");
+        above += usize::from(outer.is_finite() && patch.high_m > m.eye_m);
+    }
+    assert!(above > 5000, "{above}");
+}
+
 #[test]
 fn pixels_and_places_are_inverse_and_north_is_up() {
     let view = MapView { up_azimuth_rad: 0.3, ..MapView::fitted(map(0.0, 1.0), [1300, 900], 160e3, 3000.0, 10.0) };

@@ -63,6 +63,11 @@ pub fn from_lon_lat(crs: &Crs, lon: f64, lat: f64) -> Option<[f64; 2]> {
     position.iter().all(|v| v.is_finite()).then_some(position)
 }
 
+/// Whether positions in `crs` can be converted to longitude and latitude.
+pub fn is_known(crs: &Crs) -> bool {
+    projection(crs).is_some()
+}
+
 /// How far it is round the Earth in x, in units of the CRS, where x runs all the way round.
 pub fn way_round(crs: &Crs) -> Option<f64> {
     match projection(crs)? {

@@ -3,6 +3,7 @@
 //! Format: OGC 19-008r4, "GeoTIFF Standard" 1.1, 2019 (N. Ritter, M. Ruth, 1995).
 
 use super::part::guess_crs;
+use super::tiff_tags::{self as tags, Directory, Tiff};
 use crate::{IoError, crs};
 use std::path::Path;
 use yamanami_core::{Crs, GeoReference, PixelConvention};
@@ -44,6 +45,23 @@ pub(super) struct Placement {
 }
 
 impl GeoTags {
+    /// The tags of a directory.
+    pub(super) fn read(tiff: &mut Tiff, directory: &Directory) -> Result<Self, IoError> {
+        Ok(Self {
+            pixel_scale: tiff.doubles(directory, tags::MODEL_PIXEL_SCALE)?,
+            tie_points: tiff.doubles(directory, tags::MODEL_TIE_POINT)?,
+            transformation: tiff.doubles(directory, tags::MODEL_TRANSFORMATION)?,
+            directory: tiff.numbers(directory, tags::GEO_KEY_DIRECTORY)?.into_iter().map(|n| n as u16).collect(),
+            doubles: tiff.doubles(directory, tags::GEO_DOUBLE_PARAMS)?,
+            ascii: tiff.text(directory, tags::GEO_ASCII_PARAMS)?,
+        })
+    }
+
+    /// Whether the file says where its samples lie.
+    pub(super) fn is_placed(&self) -> bool {
+        !self.transformation.is_empty() || (!self.pixel_scale.is_empty() && !self.tie_points.is_empty())
+    }
+
     /// The value of a key that is stored as a number.
     fn code(&self, key: u16) -> Option<u32> {
         let entry = self.directory.get(4..)?.chunks_exact(4).find(|entry| entry[0] == key)?;

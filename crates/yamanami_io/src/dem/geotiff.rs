@@ -118,14 +118,7 @@ pub(super) fn open(source: &ByteSource, options: &OpenOptions) -> Result<GeoTiff
     let row_bytes = size[0] as u64 * bytes_per_sample;
     let chunk = if reads_rows { [size[0], (LARGE_STRIP_BYTES / row_bytes).max(1) as usize] } else { tiff_chunk };
 
-    let geo_tags = GeoTags {
-        pixel_scale: tiff.doubles(&directory, tags::MODEL_PIXEL_SCALE)?,
-        tie_points: tiff.doubles(&directory, tags::MODEL_TIE_POINT)?,
-        transformation: tiff.doubles(&directory, tags::MODEL_TRANSFORMATION)?,
-        directory: tiff.numbers(&directory, tags::GEO_KEY_DIRECTORY)?.into_iter().map(|n| n as u16).collect(),
-        doubles: tiff.doubles(&directory, tags::GEO_DOUBLE_PARAMS)?,
-        ascii: tiff.text(&directory, tags::GEO_ASCII_PARAMS)?,
-    };
+    let geo_tags = GeoTags::read(&mut tiff, &directory)?;
     let placement = geo_tags.place(label, size, options.crs.as_ref())?;
     let declared = tiff.text(&directory, tags::GDAL_NO_DATA)?.trim().parse::<f64>().ok();
     let implied = (sample_type == SampleType::I16).then_some(SRTM_NO_DATA);

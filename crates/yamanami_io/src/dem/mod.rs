@@ -16,6 +16,7 @@ mod geotiff;
 mod hgt;
 mod mosaic;
 mod part;
+mod picture_place;
 pub(crate) mod prj;
 mod sample_type;
 mod tiff_codec;
@@ -25,6 +26,7 @@ mod tile_name;
 mod write;
 
 pub use mosaic::DemFile;
+pub use picture_place::picture_place;
 pub use sample_type::SampleType;
 pub use tile::TileEncoding;
 pub(crate) use tile_name::tile_from_path;

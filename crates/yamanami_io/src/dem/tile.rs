@@ -8,7 +8,7 @@ use super::tile_name::tile_from_path;
 use super::{OpenOptions, SampleType};
 use crate::{IoError, crs};
 use std::f64::consts::PI;
-use yamanami_core::GeoReference;
+use yamanami_core::{Crs, GeoReference};
 
 /// How a tile's colours mean heights.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -75,6 +75,18 @@ fn place(source: &ByteSource, options: &OpenOptions) -> Result<[u32; 3], IoError
     })
 }
 
+/// Where the pixels of a tile lie.
+pub(super) fn georeference(size: [usize; 2], [zoom, x, y]: [u32; 3], given: Option<&Crs>) -> GeoReference {
+    let tile_m = 2.0 * HALF_WORLD_M / f64::from(1u32 << zoom);
+    let step = [tile_m / size[0] as f64, tile_m / size[1] as f64];
+    let origin = [
+        -HALF_WORLD_M + f64::from(x) * tile_m + 0.5 * step[0],
+        HALF_WORLD_M - f64::from(y) * tile_m - 0.5 * step[1],
+    ];
+    let crs = given.cloned().or_else(|| crs::from_epsg(3857)).unwrap_or_default();
+    GeoReference::new(crs, origin, [step[0], -step[1]], size)
+}
+
 fn part_info(
     source: &ByteSource,
     options: &OpenOptions,
@@ -86,18 +98,11 @@ fn part_info(
         let found = format!("{zoom}/{x}/{y}");
         return Err(IoError::malformed(source.label(), "tile number", "column and row below 2^zoom", found));
     }
-    let tile_m = 2.0 * HALF_WORLD_M / f64::from(1u32 << zoom);
-    let step = [tile_m / size[0] as f64, tile_m / size[1] as f64];
-    let origin = [
-        -HALF_WORLD_M + f64::from(x) * tile_m + 0.5 * step[0],
-        HALF_WORLD_M - f64::from(y) * tile_m - 0.5 * step[1],
-    ];
-    let crs = options.crs.clone().or_else(|| crs::from_epsg(3857)).unwrap_or_default();
     Ok(PartInfo {
         label: source.label().to_owned(),
         format: format.to_owned(),
         size,
-        geo: GeoReference::new(crs, origin, [step[0], -step[1]], size),
+        geo: georeference(size, [zoom, x, y], options.crs.as_ref()),
         sample_type: SampleType::Rgb,
         no_data: None,
         compression: "png".to_owned(),

@@ -66,7 +66,8 @@ pub(super) fn read(label: &Path, bytes: &[u8]) -> Result<Features, IoError> {
     let columns: Vec<Option<Word>> = header.iter().map(|field| word_of(field)).collect();
     let has = |word: Word| columns.contains(&Some(word));
     let by_degrees = has(Word::Latitude) && has(Word::Longitude);
-    if !by_degrees && !has(Word::Geometry) && !(has(Word::X) && has(Word::Y)) {
+    let by_xy = has(Word::X) && has(Word::Y);
+    if !(by_degrees || by_xy || has(Word::Geometry)) {
         let expected = "a header with name, lat, lon (名称, 緯度, 経度) or WKT";
         let found = format!("'{}'", header.join(&delimiter.to_string()));
         return Err(IoError::malformed(label, format!("line {line}"), expected, found));

@@ -17,7 +17,7 @@ impl<'a> Locator<'a> {
     /// For a stated CRS; without one coordinates are taken as degrees.
     pub(super) fn new(label: &Path, crs: Option<&'a Crs>) -> Result<Self, IoError> {
         match crs {
-            Some(stated) if crs::to_lon_lat(stated, 0.0, 0.0).is_none() && !is_away_from_origin(stated) => {
+            Some(stated) if !crs::is_known(stated) => {
                 let what = format!("its coordinate reference system, '{}'", stated.name);
                 Err(IoError::unsupported(label, what, "convert it to longitude and latitude (EPSG:4326)"))
             }
@@ -37,11 +37,6 @@ impl<'a> Locator<'a> {
             None => format!("{}, {}, which is no longitude and latitude, and no coordinate system is stated", p.x, p.y),
         })
     }
-}
-
-/// Systems known by formula whose own origin may lie where they have no places.
-fn is_away_from_origin(stated: &Crs) -> bool {
-    stated.epsg.and_then(crs::from_epsg).is_some()
 }
 
 #[cfg(test)]

@@ -46,22 +46,19 @@ impl<'a> Text<'a> {
     }
 
     fn geometry(&mut self, shape: &mut Shape, depth: usize) -> Option<()> {
-        let kind = self.word();
-        // `POINT Z (…)`, `POINT EMPTY`; the M is read over
-        let kind = kind.trim_end_matches("ZM");
-        let kind = if kind == "M" || kind == "Z" { kind } else { kind.trim_end_matches(['Z', 'M']) };
-        let mut with_z = true;
-        let after = self.word();
-        match after.as_str() {
+        // `POINT Z (…)`, `POINTZ(…)`, `POINT EMPTY`
+        let word = self.word();
+        let kind = word.trim_end_matches(['Z', 'M']);
+        let (mut dimensions, mut next) = (word[kind.len()..].to_owned(), self.word());
+        if matches!(next.as_str(), "Z" | "M" | "ZM") {
+            (dimensions, next) = (next, self.word());
+        }
+        match next.as_str() {
             "EMPTY" => return Some(()),
-            "M" => with_z = false,
-            "" | "Z" | "ZM" => {}
+            "" => {}
             _ => return None,
         }
-        if after != "EMPTY" && !after.is_empty() && self.rest.trim_start().get(..5).is_some_and(|e| e == "EMPTY") {
-            self.word();
-            return Some(());
-        }
+        let with_z = dimensions != "M";
         match kind {
             "POINT" => shape.points.extend(self.places(with_z)?),
             "LINESTRING" => shape.lines.push(Line { points: self.places(with_z)?, is_area: false }),

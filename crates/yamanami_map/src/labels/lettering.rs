@@ -64,7 +64,7 @@ impl Lettering {
         let is_summit = place.kind == PlaceKind::Summit;
         let mut more = part.map(|part| format!(" {part}")).unwrap_or_default();
         if options.names == NameForm::Both
-            && let Some(reading) = latin(place).or_else(|| place.reading.clone())
+            && let Some(reading) = latin_name(place).or_else(|| place.reading.clone())
             && reading != written
             && style.fonts.missing(&reading).is_empty()
         {
@@ -119,7 +119,7 @@ pub fn parted_name(name: &str) -> (&str, Option<&str>) {
 }
 
 /// The name in Latin letters, given or made from the kana.
-fn latin(place: &NamedPlace) -> Option<String> {
+pub fn latin_name(place: &NamedPlace) -> Option<String> {
     let given = place.latin.clone().filter(|latin| !latin.trim().is_empty());
     given.or_else(|| place.reading.as_deref().and_then(romaji::from_kana))
 }
@@ -127,14 +127,14 @@ fn latin(place: &NamedPlace) -> Option<String> {
 /// The name in the form asked for, in letters the fonts have where there is any such form.
 fn written_name(style: &Style<'_>, form: NameForm, place: &NamedPlace) -> (String, Option<MissingGlyphs>) {
     let wanted = match form {
-        NameForm::Latin => latin(place).unwrap_or_else(|| place.name.clone()),
+        NameForm::Latin => latin_name(place).unwrap_or_else(|| place.name.clone()),
         NameForm::Local | NameForm::Both => place.name.clone(),
     };
     let characters = style.fonts.missing(&wanted);
     if characters.is_empty() {
         return (wanted, None);
     }
-    let others = [Some(place.name.clone()), place.reading.clone(), latin(place)];
+    let others = [Some(place.name.clone()), place.reading.clone(), latin_name(place)];
     let written = others.into_iter().flatten().find(|text| !text.is_empty() && style.fonts.missing(text).is_empty());
     let said = written.clone().unwrap_or(wanted);
     (said, Some(MissingGlyphs { name: place.name.clone(), characters, written }))

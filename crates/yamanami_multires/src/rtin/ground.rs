@@ -68,15 +68,15 @@ impl Ground {
         DVec3::new(f64::from(x) * self.unit_m, f64::from(y) * self.unit_m, f64::from(height_m))
     }
 
-    /// Unit normal at a vertex, from its neighbours in the finest grid that holds it.
+    /// Unit normal at a vertex, from its neighbours in the finest grid that has all of them.
     pub(super) fn normal(&self, [x, y]: Place) -> [f32; 3] {
         let farthest = x.abs().max(y.abs());
-        let holds = |k: &u32| farthest <= (self.grid(*k).half() as i32) << k;
-        let k = (1..=self.grids()).find(holds).unwrap_or(self.grids());
+        let has_all = |k: &u32| farthest < (self.grid(*k).half() as i32) << k;
+        let k = (1..=self.grids()).find(has_all).unwrap_or(self.grids());
         let rise = |dx: i32, dy: i32| {
-            let z = |s: i32| f64::from(self.sample_m([x + (s * dx << k), y + (s * dy << k)], k));
+            let z = |s: i32| f64::from(self.sample_m([x + s * dx, y + s * dy], k));
             (z(1) - z(-1)) / (2.0 * self.grid(k).spacing_m())
         };
-        DVec3::new(-rise(1, 0), -rise(0, 1), 1.0).normalize().as_vec3().to_array()
+        DVec3::new(-rise(1 << k, 0), -rise(0, 1 << k), 1.0).normalize().as_vec3().to_array()
     }
 }

@@ -2,7 +2,7 @@
 
 use super::super::screenshot::Screenshot;
 use super::super::{Failure, overlay as common};
-use super::ground::{Ground, Loader, Reader};
+use super::ground::{Ground, Loader, MOVED_SHARE, Reader};
 use super::names::Names;
 use super::overlay::{self, LETTERS, Screen};
 use super::panel::{self, Action, Plots, Shown};
@@ -16,8 +16,8 @@ use eframe::wgpu;
 use glam::DVec2;
 use std::sync::Arc;
 use yamanami::Error;
-use yamanami::core::{DeformedMap, MapFault, MapView};
-use yamanami::map::{Fonts, HorizonTable};
+use yamanami::core::{MapFault, MapView};
+use yamanami::map::Fonts;
 
 /// Longest frame that counts, seconds: after a stall nothing leaps.
 const LONGEST_FRAME_S: f64 = 0.1;
@@ -31,12 +31,8 @@ const GLIDE_S: f64 = 0.5;
 const TURN_PER_S: f64 = 1.0;
 /// α goes up to this and down again by itself, in so many seconds.
 const SWEEP: (f64, f64) = (0.3, 12.0);
-/// The ground is read again once the centre has moved by this share of the map's radius.
-const MOVED_SHARE: f64 = 0.15;
 /// A named summit so near to the cursor is told, points.
 const REACH: f32 = 9.0;
-/// The horizon for lines: azimuths, and metres from one distance to the next.
-const HORIZON: (usize, f64) = (1440, 250.0);
 
 /// The window's state.
 pub(super) struct MapViewer {
@@ -48,8 +44,6 @@ pub(super) struct MapViewer {
     rim_m: f64,
     home: [f64; 2],
     names: Names,
-    /// What hides lines, and for which map and ground.
-    horizon: Option<(DeformedMap, u32, HorizonTable)>,
     plots: Plots,
     last: Option<Numbers>,
     /// The picture shown last: of a map that the ground can be shown by.
@@ -82,7 +76,7 @@ impl MapViewer {
     ) -> Result<Self, String> {
         let render = context.wgpu_render_state.clone().ok_or("no window: it has no graphics device")?;
         context.egui_ctx.set_theme(egui::Theme::Dark);
-        context.egui_ctx.set_fonts(fonts(options.font.clone()));
+        context.egui_ctx.set_fonts(fonts(&options.fonts));
         // four samples a pixel are dear where the processor draws
         let antialias = render.adapter.get_info().device_type != wgpu::DeviceType::Cpu;
         let settings = Settings::new(&options, antialias);
@@ -97,7 +91,6 @@ impl MapViewer {
             rim_m: options.ground.radius_m,
             home: options.ground.centre_lon_lat,
             names: Names::default(),
-            horizon: None,
             plots: Plots::default(),
             last: None,
             view: None,
@@ -256,17 +249,8 @@ impl MapViewer {
     fn over(&mut self, ui: &egui::Ui, screen: Screen, view: &MapView) {
         let painter = ui.painter_at(screen.rect);
         if self.settings.lines && !self.stage.lines.is_empty() {
-            let map = DeformedMap { alpha: 0.0, alpha_fall: 0.0, scale: 1.0, ..view.map };
-            let generation = self.stage.generation;
-            let is_same = |(m, g, _): &(DeformedMap, u32, HorizonTable)| *m == map && *g == generation;
-            if !self.horizon.as_ref().is_some_and(is_same) {
-                let (azimuths, step_m) = HORIZON;
-                let table = HorizonTable::new(self.stage.field(), &map, view.rim_m, azimuths, step_m);
-                self.horizon = Some((map, generation, table));
-            }
-            if let Some((.., table)) = &self.horizon {
-                overlay::lines(&painter, screen, view, &self.stage.lines, self.stage.field(), table);
-            }
+            let horizon = self.stage.horizon(view);
+            overlay::lines(&painter, screen, view, &self.stage.lines, self.stage.field(), &horizon);
         }
         let mut taken = Vec::new();
         if self.settings.rings {
@@ -366,14 +350,12 @@ impl eframe::App for MapViewer {
     }
 }
 
-/// The window's fonts: names in the user's and the map's own, everything else in these too where its own lacks a letter.
-fn fonts(own: Option<Vec<u8>>) -> FontDefinitions {
-    let shipped = Fonts::shipped_files().into_iter().map(FontData::from_static);
-    let all = own.into_iter().map(FontData::from_owned).chain(shipped);
+/// The window's fonts: names in the map's, everything else in these too where its own lacks a letter.
+fn fonts(letters: &Fonts) -> FontDefinitions {
     let mut fonts = FontDefinitions::default();
-    for (k, data) in all.enumerate() {
+    for (k, file) in letters.files().into_iter().enumerate() {
         let name = format!("{LETTERS} {k}");
-        fonts.font_data.insert(name.clone(), Arc::new(data));
+        fonts.font_data.insert(name.clone(), Arc::new(FontData::from_owned(file.to_vec())));
         for family in [FontFamily::Name(LETTERS.into()), FontFamily::Proportional] {
             fonts.families.entry(family).or_default().push(name.clone());
         }

@@ -10,12 +10,16 @@ use yamanami::gpu::MapTextures;
 use yamanami::io::crs::AzimuthalPlane;
 use yamanami::map::{ReliefStyle, paint};
 use yamanami::multires::rtin::{BuildOptions, Rtin, summits};
-use yamanami::{BaseOptions, MapGroundOptions, MapSource, MapSources, rank_by_prominence};
+use yamanami::{BaseOptions, MapGroundOptions, MapImage, MapSource, MapSources, rank_by_prominence};
 
+/// The ground is read again once the centre has moved by this share of the map's radius.
+pub(super) const MOVED_SHARE: f64 = 0.15;
 /// More ground than the map shows is read, so that it can be moved some way.
 const REACH: f64 = 1.2;
-/// Distance at which ground has faded into the air by two thirds, metres.
-const HAZE_M: f64 = 230e3;
+/// A picture over the plain map reaches this many radii of it, and as far again as the map is moved.
+const IMAGE_RINGS: f64 = 1.3;
+/// It is made as fine as for a plain map of this radius, pixels.
+const IMAGE_RING_PX: f64 = 400.0;
 /// Summits of less prominence rank no name, metres.
 const LEAST_PROMINENCE_M: f64 = 20.0;
 /// Metres in a degree of latitude, a little less than anywhere.
@@ -43,14 +47,27 @@ pub(super) struct Reader {
     options: MapGroundOptions,
     places: Vec<NamedPlace>,
     lines: Vec<MapLine>,
+    build: BuildOptions,
+    relief: ReliefStyle,
+    image: Option<MapImage>,
+    ring_m: f64,
 }
 
 impl Reader {
     /// Opens the sources. Errors are one line.
-    pub(super) fn open(options: &Options) -> Result<Self, String> {
+    pub(super) fn open(options: &Options, image: Option<MapImage>) -> Result<Self, String> {
         let sources = MapSources::open(&options.sources, &options.reading).map_err(|error| error.to_string())?;
         let ground = MapGroundOptions { radius_m: REACH * options.ground.radius_m, ..options.ground.clone() };
-        Ok(Self { sources, options: ground, places: options.places.clone(), lines: options.lines.clone() })
+        Ok(Self {
+            sources,
+            options: ground,
+            places: options.places.clone(),
+            lines: options.lines.clone(),
+            build: options.build,
+            relief: options.relief.clone(),
+            image,
+            ring_m: options.map.ring_m,
+        })
     }
 
     /// Reads the ground around a longitude and latitude.
@@ -60,15 +77,19 @@ impl Reader {
         let read = self.sources.read(&options).map_err(|error| in_words(&error))?;
         let (field, plane) = (read.field, read.plane);
         let top_m = f64::from(field.range_m()[1]);
-        let style = ReliefStyle { haze_m: HAZE_M, ..ReliefStyle::default() };
-        let painted = BaseOptions::painted(paint(&field, &style, DVec2::ZERO)).map_err(|error| in_words(&error))?;
+        let mut pictures = paint(&field, &self.relief, DVec2::ZERO);
+        if let Some(image) = &self.image {
+            let reach_m = IMAGE_RINGS * self.ring_m + MOVED_SHARE * options.radius_m;
+            image.lay_over(&mut pictures, &plane, DVec2::ZERO, reach_m, self.ring_m / IMAGE_RING_PX);
+        }
+        let painted = BaseOptions::painted(pictures).map_err(|error| in_words(&error))?;
         let mut names: Vec<NamedPlace> = self.places.iter().filter_map(|place| self.laid(place, &plane)).collect();
         if !names.is_empty() {
             rank_by_prominence(&mut names, &field, &summits(field.widest(), LEAST_PROMINENCE_M));
             names.sort_by(|a, b| b.rank.unwrap_or(0.0).total_cmp(&a.rank.unwrap_or(0.0)));
         }
         let lines = self.lines.iter().filter_map(|line| self.laid_line(line, &plane)).collect();
-        let surface = Rtin::build(field, &BuildOptions::default()).map_err(|error| in_words(&error))?;
+        let surface = Rtin::build(field, &self.build).map_err(|error| in_words(&error))?;
         Ok(Ground { surface, textures: painted.textures, plane, names, lines, sources: read.sources, top_m })
     }
 

@@ -20,9 +20,11 @@ mod settings;
 mod stage;
 
 use std::path::PathBuf;
-use yamanami::MapGroundOptions;
 use yamanami::core::{DeformedMap, MapLine, NamedPlace};
 use yamanami::io::dem;
+use yamanami::map::{Fonts, ReliefStyle};
+use yamanami::multires::rtin::BuildOptions;
+use yamanami::{MapGroundOptions, MapImage};
 
 /// How the window starts.
 #[derive(Debug, Clone)]
@@ -33,6 +35,10 @@ pub(crate) struct Options {
     pub(crate) reading: dem::OpenOptions,
     /// The ground at first; further places are read alike.
     pub(crate) ground: MapGroundOptions,
+    /// How its hierarchy is built.
+    pub(crate) build: BuildOptions,
+    /// Its colours.
+    pub(crate) relief: ReliefStyle,
     /// The projection, its centre at the plane's origin.
     pub(crate) map: DeformedMap,
     /// Azimuth that points up, radians clockwise from north.
@@ -49,21 +55,19 @@ pub(crate) struct Options {
     pub(crate) hidden: bool,
     /// What counts as hidden is so for somebody who stands at the centre.
     pub(crate) from_ground: bool,
-    /// Most names.
-    pub(crate) most_names: usize,
-    /// A font file for names, before the program's own.
-    pub(crate) font: Option<Vec<u8>>,
+    /// What names are lettered with.
+    pub(crate) fonts: Fonts,
     /// Size of the window in points.
     pub(crate) size: [u32; 2],
     /// Saves a picture of the whole window here once the first frames have settled, and closes it.
     pub(crate) screenshot: Option<PathBuf>,
 }
 
-/// Opens the window and stays until it is closed. The error is one line.
-pub(crate) fn run(options: Options) -> Result<(), String> {
+/// Opens the window, a picture laid over the plain map if there is one, and stays until it is closed. The error is one line.
+pub(crate) fn run(options: Options, image: Option<MapImage>) -> Result<(), String> {
     let size = options.size;
     let bar = crate::progress::Bar::spinner("reading the ground");
-    let mut reader = ground::Reader::open(&options)?;
+    let mut reader = ground::Reader::open(&options, image)?;
     let ground = reader.read(options.ground.centre_lon_lat)?;
     drop(bar);
     super::open("Deformed map - yamanami", size, move |context, failure| {

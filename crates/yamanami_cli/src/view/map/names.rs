@@ -2,7 +2,7 @@
 
 use super::overlay::{self, Screen, letters};
 use super::settings::Settings;
-use super::stage::Stage;
+use super::stage::{Stage, sight};
 use eframe::egui::{Align2, Color32, Painter, Pos2, Rect, Stroke, Vec2, pos2, vec2};
 use glam::{DVec2, DVec3};
 use std::collections::{HashMap, HashSet};
@@ -145,8 +145,7 @@ impl Names {
 
     /// What hides what hangs on neither α nor the picture.
     fn forget_if_other(&mut self, stage: &Stage, view: &MapView, settings: &Settings) {
-        let map = DeformedMap { alpha: 0.0, alpha_fall: 0.0, scale: 1.0, ..view.map };
-        let asked_for = Some((map, settings.from_ground, stage.generation));
+        let asked_for = Some((sight(&view.map), settings.from_ground, stage.generation));
         if self.asked_for != asked_for {
             self.seen.clear();
             if self.asked_for.is_none_or(|(.., generation)| generation != stage.generation) {

@@ -16,8 +16,8 @@ const HALO: Color32 = Color32::from_rgba_premultiplied(225, 228, 232, 225);
 const PIN: Color32 = Color32::from_rgb(204, 42, 54);
 /// Lines are drawn through places no nearer than this, points.
 const LINE_STEP: f32 = 1.5;
-/// Lines lie on the ground, not in it, metres.
-const LINE_SLACK_M: f64 = 25.0;
+/// Lines that lie this far below the horizon before them are still drawn, metres.
+const LINE_SLACK_M: f64 = 60.0;
 
 /// The font of names.
 pub(super) fn letters(size: f32) -> FontId {

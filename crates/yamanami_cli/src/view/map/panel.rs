@@ -204,6 +204,7 @@ fn what_is_shown(ui: &mut Ui, shown: &Shown<'_>, settings: &mut Settings) {
             .on_disabled_hover_text("No lines were given that lie here: --lines");
     });
     ui.horizontal(|ui| {
+        ui.checkbox(&mut settings.veil, "veil").on_hover_text("Hidden ground, which alpha brings forth, is paler");
         ui.checkbox(&mut settings.wireframe, "edges");
         ui.checkbox(&mut settings.antialias, "antialias");
     });

@@ -6,6 +6,8 @@ use yamanami::core::{Curvature, DeformedMap, DropFrom};
 
 /// Triangles allowed where the program was started without a budget and one is switched on.
 const USUAL_BUDGET: u32 = 100_000;
+/// Most names at first.
+const USUAL_NAMES: usize = 120;
 /// Bending of light where the program was started without curvature and it is switched on.
 const USUAL_REFRACTION: f64 = 0.13;
 
@@ -31,6 +33,8 @@ pub(super) struct Settings {
     pub(super) from_ground: bool,
     pub(super) most_names: usize,
     pub(super) lines: bool,
+    /// Hidden ground that α brings forth is paler.
+    pub(super) veil: bool,
     pub(super) rings: bool,
     pub(super) compass: bool,
     pub(super) wireframe: bool,
@@ -61,8 +65,9 @@ impl Settings {
             names: true,
             hidden: options.hidden,
             from_ground: options.from_ground,
-            most_names: options.most_names,
+            most_names: USUAL_NAMES,
             lines: true,
+            veil: true,
             rings: true,
             compass: true,
             wireframe: false,

@@ -8,12 +8,19 @@ use glam::DVec3;
 use std::sync::Arc;
 use std::time::Instant;
 use yamanami::core::{DeformedMap, MapFault, MapLine, MapView, NamedPlace, NestedField};
-use yamanami::gpu::{Gpu, MapOptions, MapRenderer, MapTextures, Wireframe};
+use yamanami::gpu::{Gpu, Hidden, HorizonTable as DrawnHorizon, MapOptions, MapRenderer, MapTextures, Veil, Wireframe};
 use yamanami::io::crs::AzimuthalPlane;
+use yamanami::map::HorizonTable;
 use yamanami::{Canvas, DeformedScene, Error, LimitedBy, MapSource, Upload};
 
 /// What lies beside the map, sRGB.
 const BACKGROUND: [u8; 4] = [238, 243, 247, 255];
+
+/// Azimuths of the horizon, and metres from one of its distances to the next.
+const HORIZON: (usize, f64) = (1440, 250.0);
+/// Hidden ground is drawn this much paler, where it lies so many pixels below its horizon.
+const VEIL: Hidden = Hidden::Veiled([226, 230, 234], 0.55);
+const VEIL_SLACK_PX: f32 = 3.0;
 
 /// What a frame did.
 #[derive(Debug, Clone, Copy)]
@@ -36,6 +43,7 @@ struct Drawn {
     view: MapView,
     tolerance_px: f32,
     budget: Option<u32>,
+    veil: bool,
     wireframe: bool,
     antialias: bool,
 }
@@ -54,6 +62,10 @@ pub(super) struct Stage {
     pub(super) top_m: f64,
     /// Counts the grounds shown.
     pub(super) generation: u32,
+    /// What hides what, and for which map.
+    horizon: Option<(DeformedMap, Arc<HorizonTable>)>,
+    /// The same on the device.
+    veil: Option<(Arc<HorizonTable>, Veil)>,
     target: Target,
     drawn: Option<Drawn>,
     settled: bool,
@@ -73,6 +85,8 @@ impl Stage {
             sources: ground.sources,
             top_m: ground.top_m,
             generation: 0,
+            horizon: None,
+            veil: None,
             target: Target::default(),
             drawn: None,
             settled: false,
@@ -88,6 +102,7 @@ impl Stage {
         (self.names, self.lines, self.sources) = (ground.names, ground.lines, ground.sources);
         self.top_m = ground.top_m;
         self.generation += 1;
+        self.horizon = None;
         (self.drawn, self.settled) = (None, false);
     }
 
@@ -118,6 +133,7 @@ impl Stage {
             view: *view,
             tolerance_px: settings.tolerance_px,
             budget: settings.budget(),
+            veil: settings.veil,
             wireframe: settings.wireframe,
             antialias: settings.antialias,
         };
@@ -131,6 +147,7 @@ impl Stage {
         let options = MapOptions {
             textures: Arc::clone(&self.textures),
             wireframe: settings.wireframe.then(Wireframe::default),
+            veil: if settings.veil && view.map.alpha > 0.0 { Some(self.veil(view)?) } else { None },
             background: BACKGROUND,
             antialias: settings.antialias,
             ..MapOptions::default()
@@ -156,6 +173,30 @@ impl Stage {
         }))
     }
 
+    /// How high the ground before each place stands.
+    pub(super) fn horizon(&mut self, view: &MapView) -> Arc<HorizonTable> {
+        let map = sight(&view.map);
+        if let Some((_, table)) = self.horizon.as_ref().filter(|(same, _)| *same == map) {
+            return Arc::clone(table);
+        }
+        let (azimuths, step_m) = HORIZON;
+        let table = Arc::new(HorizonTable::new(self.field(), &map, view.rim_m, azimuths, step_m));
+        self.horizon = Some((map, Arc::clone(&table)));
+        table
+    }
+
+    /// The same to draw with.
+    fn veil(&mut self, view: &MapView) -> Result<Veil, Error> {
+        let table = self.horizon(view);
+        if let Some((_, veil)) = self.veil.as_ref().filter(|(same, _)| Arc::ptr_eq(same, &table)) {
+            return Ok(veil.clone());
+        }
+        let on_device = DrawnHorizon::new(table.azimuth_count as u32, table.step_m, table.half_tangents.clone())?;
+        let veil = Veil { horizon: Arc::new(on_device), hidden: VEIL, slack_px: VEIL_SLACK_PX };
+        self.veil = Some((table, veil.clone()));
+        Ok(veil)
+    }
+
     /// Whether the next frame would change nothing by itself.
     pub(super) fn is_settled(&self) -> bool {
         self.settled
@@ -170,4 +211,9 @@ impl Stage {
     pub(super) fn pick(&self, view: &MapView, px: glam::DVec2) -> Result<Option<DVec3>, Error> {
         self.scene.pick(view, px)
     }
+}
+
+/// Of a map, what decides which ground hides which: neither α nor scale.
+pub(super) fn sight(map: &DeformedMap) -> DeformedMap {
+    DeformedMap { alpha: 0.0, alpha_fall: 0.0, scale: 1.0, ..*map }
 }
