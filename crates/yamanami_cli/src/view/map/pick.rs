@@ -38,7 +38,7 @@ impl Picked {
         // a plane around the map's own centre, so that both are true
         let way = AzimuthalPlane::new(lon0, lat0).map_or(glam::DVec2::NAN, |plane| plane.to_plane(lon, lat));
         let bearing_deg = way.x.atan2(way.y).to_degrees().rem_euclid(360.0);
-        let name = self.name.as_ref().map(|name| format!("{name}   ")).unwrap_or_default();
+        let name = self.name.as_ref().map(|name| format!("{name}   ground ")).unwrap_or_default();
         format!(
             "{name}{:.0} m   {:.1} km {} ({bearing_deg:.0}°)   {lat:.5}, {lon:.5}",
             self.height_m,
