@@ -53,8 +53,8 @@ pub(super) struct MapViewer {
     /// On the way to another centre: from, to, seconds behind.
     glide: Option<(DVec2, DVec2, f64)>,
     sweep_s: f64,
-    /// Ground around the centre could not be read; it is asked for again from elsewhere.
-    refused: Option<DVec2>,
+    /// Around this longitude and latitude ground could not be read; it is asked for again from elsewhere.
+    refused: Option<[f64; 2]>,
     pinned: Option<Picked>,
     message: Option<(String, f64)>,
     help: bool,
@@ -132,7 +132,7 @@ impl MapViewer {
     /// Takes ground that has been read, and asks for other ground where the map has moved away from it.
     fn follow_ground(&mut self, ui: &egui::Ui) {
         match self.loader.take() {
-            Some(Ok(ground)) => {
+            Some((_, Ok(ground))) => {
                 // what lies in the old plane goes over into the new
                 let (old, new) = (self.stage.plane, ground.plane);
                 let moved = |p: DVec2| {
@@ -147,15 +147,16 @@ impl MapViewer {
                 self.refused = None;
                 self.stage.set_ground(ground);
             }
-            Some(Err(line)) => {
-                self.refused = Some(self.pose.centre);
+            Some((place, Err(line))) => {
+                self.refused = Some(place);
                 self.tell(ui, line);
             }
             None => {}
         }
         let wanted = self.glide.map_or(self.pose.centre, |(_, to, _)| to);
         let limit_m = MOVED_SHARE * self.rim_m;
-        let is_refused = self.refused.is_some_and(|place| (place - wanted).length() < limit_m);
+        let away_m = |[lon, lat]: [f64; 2]| (self.stage.plane.to_plane(lon, lat) - wanted).length();
+        let is_refused = self.refused.is_some_and(|place| away_m(place) < limit_m);
         if wanted.length() > limit_m && !is_refused {
             self.loader.ask(self.stage.plane.to_lon_lat(wanted));
         }

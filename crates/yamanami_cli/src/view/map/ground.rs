@@ -121,7 +121,8 @@ impl Reader {
 pub(super) struct Loader {
     wanted: Sender<[f64; 2]>,
     read: Receiver<Result<Ground, String>>,
-    is_busy: bool,
+    /// Around what is being read.
+    asked: Option<[f64; 2]>,
 }
 
 impl Loader {
@@ -138,26 +139,25 @@ impl Loader {
                 wake();
             }
         });
-        Self { wanted, read, is_busy: false }
+        Self { wanted, read, asked: None }
     }
 
     /// Whether something is being read.
     pub(super) fn is_busy(&self) -> bool {
-        self.is_busy
+        self.asked.is_some()
     }
 
     /// Asks for the ground around a longitude and latitude, unless some is being read.
     pub(super) fn ask(&mut self, lon_lat: [f64; 2]) {
-        if !self.is_busy {
-            self.is_busy = self.wanted.send(lon_lat).is_ok();
+        if self.asked.is_none() && self.wanted.send(lon_lat).is_ok() {
+            self.asked = Some(lon_lat);
         }
     }
 
-    /// What has been read.
-    pub(super) fn take(&mut self) -> Option<Result<Ground, String>> {
-        let read = self.read.try_recv().ok();
-        self.is_busy &= read.is_none();
-        read
+    /// What has been read, and around what longitude and latitude.
+    pub(super) fn take(&mut self) -> Option<([f64; 2], Result<Ground, String>)> {
+        let read = self.read.try_recv().ok()?;
+        Some((self.asked.take()?, read))
     }
 }
 
