@@ -16,7 +16,6 @@ mod values;
 #[cfg(feature = "viewer")]
 mod view;
 
-use clap::Parser;
 use failure::Failure;
 use std::process::ExitCode;
 
@@ -33,7 +32,7 @@ fn quieten_drivers() {
 
 fn main() -> ExitCode {
     quieten_drivers();
-    let result = commands::Program::parse().run().and_then(|()| out::flush());
+    let result = commands::Program::of_arguments().run().and_then(|()| out::flush());
     match result {
         // nobody reads on: not our failure
         Ok(()) | Err(Failure::PipeClosed) => ExitCode::SUCCESS,

@@ -49,6 +49,12 @@ impl Fonts {
         Ok(Self { own: Some(own), families: families(&database), database: Arc::new(database) })
     }
 
+    /// The font files, first choice first, for programs that letter windows.
+    pub fn files(&self) -> Vec<Arc<[u8]>> {
+        let own = self.own.iter().map(|data| data.as_slice());
+        own.chain(SHIPPED).map(Arc::from).collect()
+    }
+
     /// Names of the families, first choice first, as SVG's `font-family` takes them.
     pub(crate) fn families(&self) -> String {
         let quoted: Vec<String> = self.families.iter().map(|f| format!("'{}'", f.replace('\'', ""))).collect();

@@ -22,7 +22,7 @@ pub use error::MapError;
 pub use fonts::Fonts;
 pub use horizon::{HorizonTable, SeenFrom, Sightline};
 pub use ink::{InkStyle, ink};
-pub use labels::{Label, MissingGlyphs, Outcome};
+pub use labels::{Label, MissingGlyphs, Outcome, latin_name, parted_name};
 pub use relief::{GroundPicture, ReliefStyle, TintStop, paint};
 pub use scene::{Anchor, Colour, Fill, Outline, PackedBase, Run, Scene, Shape, Stroke, Text, encode_png};
 pub use sheet::{BearingRing, Composed, HiddenNames, Language, NameForm, Sheet, SheetOptions};

@@ -69,9 +69,11 @@ impl DeformedScene {
     /// Refuses a map whose eye does not stand above all ground near its ring.
     pub fn check(&self, map: &DeformedMap) -> Result<(), MapFault> {
         map.check()?;
+        // most ground lies lower than the eye anyway
+        let may_reach = |z: f32| f64::from(z) * map.exaggeration >= map.eye_m;
         let ground = self.field().levels().iter().flat_map(|level| {
             let width = level.width();
-            let heights = level.heights_m().iter().enumerate();
+            let heights = level.heights_m().iter().enumerate().filter(move |&(_, &z)| may_reach(z));
             heights.map(move |(k, &z)| level.plane_from_grid(k % width, k / width).extend(f64::from(z)))
         });
         map.check_ground(ground)

@@ -1,7 +1,7 @@
 //! `map`: a deformed map, the near as a map and the far as mountains, as a picture or a page.
 
 use super::map_args::{
-    Lang, MapFinenessArgs, MapLod, NoData, OverlayArgs, PlaceArgs, ProjectionArgs, SheetArgs, map_places_and_lines,
+    Lang, MapFinenessArgs, MapLod, OverlayArgs, PlaceArgs, ProjectionArgs, SUMMITS, SheetArgs, map_places_and_lines,
 };
 use super::map_text;
 use crate::args::ReadingArgs;
@@ -16,23 +16,17 @@ use std::time::Instant;
 use yamanami::core::{DeformedMap, MapView, NamedPlace};
 use yamanami::gpu::Wireframe;
 use yamanami::map::{
-    Fonts, HiddenNames, InkStyle, Language, MissingGlyphs, PackedBase, ReliefStyle, SeenFrom, SheetOptions, encode_png,
+    Fonts, HiddenNames, InkStyle, Language, MissingGlyphs, PackedBase, SeenFrom, SheetOptions, encode_png,
 };
-use yamanami::multires::rtin::{BuildOptions, SummitRule};
-use yamanami::{
-    DeformedScene, DrawWith, MadeMap, MapGround, MapGroundOptions, MapImage, MapJob, MapMesh, MapSources, make_map,
-};
+use yamanami::multires::rtin::BuildOptions;
+use yamanami::{DeformedScene, DrawWith, MadeMap, MapGround, MapImage, MapJob, MapMesh, MapSources, make_map};
 
 /// Endings of what `map` writes.
 const MAP_ENDINGS: [&str; 3] = ["png", "svg", "pdf"];
 /// Eye of somebody who stands at the centre, above the ground, metres.
 const STANDING_M: f64 = 1.7;
-/// Nearest grid of heights, as a share of the widest one's spacing.
-const FINEST_SHARE: f64 = 0.125;
 /// Dots an inch of a page that was asked for in pixels.
 const SCREEN_DPI: f64 = 96.0;
-/// Summits that stand out stay in the mesh longer than their error alone would keep them.
-const SUMMITS: SummitRule = SummitRule { factor: 1.0, min_prominence_m: 100.0 };
 
 /// A map near, mountains far, in one picture
 #[derive(Debug, Args)]
@@ -130,7 +124,7 @@ pub(super) fn write_map(args: &MapArgs) -> Result<Written, Failure> {
     times.build_ms = ms(started);
     let mut job = job(args, map, &scene, fonts);
     let image = args.overlay.image.as_deref().map(|file| MapImage::read(file, args.overlay.image_crs.as_ref()));
-    job.image = image.transpose()?.map(|image| (image, plane.clone()));
+    job.image = image.transpose()?.map(|image| (image, plane));
 
     let started = Instant::now();
     let [lat, lon] = args.place.at;
@@ -165,7 +159,7 @@ fn ms(since: Instant) -> f64 {
     1e3 * since.elapsed().as_secs_f64()
 }
 
-fn fonts(overlay: &OverlayArgs) -> Result<Fonts, Failure> {
+pub(super) fn fonts(overlay: &OverlayArgs) -> Result<Fonts, Failure> {
     let Some(file) = &overlay.font else { return Ok(Fonts::default()) };
     let bytes = std::fs::read(file).map_err(|e| Failure::failed(format!("{}: {e}", file.display())))?;
     Fonts::with(bytes).map_err(|e| Failure::failed(format!("{}: {e}", file.display())))
@@ -173,18 +167,7 @@ fn fonts(overlay: &OverlayArgs) -> Result<Fonts, Failure> {
 
 fn read_ground(args: &MapArgs) -> Result<MapGround, Failure> {
     let _bar = Bar::spinner("ground");
-    let [lat, lon] = args.place.at;
-    let options = MapGroundOptions {
-        radius_m: 1000.0 * args.place.radius,
-        spacing_m: args.place.spacing,
-        finest_spacing_m: FINEST_SHARE * args.place.spacing,
-        no_data: match args.place.no_data {
-            NoData::Sea => yamanami::NoData::Sea,
-            NoData::Blank => yamanami::NoData::Hole,
-        },
-        ..MapGroundOptions::around([lon, lat])
-    };
-    Ok(MapSources::open(&args.sources, &args.reading.options().dem)?.read(&options)?)
+    Ok(MapSources::open(&args.sources, &args.reading.options().dem)?.read(&args.place.ground())?)
 }
 
 /// What is to be made, the picture laid out around the sheet's furniture.
@@ -216,11 +199,8 @@ fn job(args: &MapArgs, map: DeformedMap, scene: &DeformedScene, fonts: Fonts) ->
         up_azimuth_rad: args.place.up.to_radians(),
         ..MapView::fitted(map, size_px, rim_m, f64::from(top_m), sheet.margin_px())
     };
-    let relief = ReliefStyle {
-        haze_m: if args.sheet.haze > 0.0 { 1000.0 * args.sheet.haze } else { f64::INFINITY },
-        sea_level_m: (args.place.no_data == NoData::Sea).then_some(0.4),
-        ..ReliefStyle::default()
-    };
+    let haze_m = if args.sheet.haze > 0.0 { 1000.0 * args.sheet.haze } else { f64::INFINITY };
+    let relief = args.place.relief(haze_m);
     MapJob {
         view,
         mesh: match args.fineness.lod {

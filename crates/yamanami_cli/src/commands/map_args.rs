@@ -7,8 +7,16 @@ use std::path::PathBuf;
 use yamanami::core::{Crs, Curvature, DeformedMap, DropFrom, LineKind, MapLine, NamedPlace};
 use yamanami::io::crs::AzimuthalPlane;
 use yamanami::io::geodata::{LineReadOptions, PlaceReadOptions, read_lines, read_places};
-use yamanami::map::{BearingRing, NameForm, SheetOptions};
-use yamanami::{lay_lines, lay_places};
+use yamanami::map::{BearingRing, NameForm, ReliefStyle, SheetOptions};
+use yamanami::multires::rtin::SummitRule;
+use yamanami::{MapGroundOptions, lay_lines, lay_places};
+
+/// Nearest grid of heights, as a share of the widest one's spacing.
+const FINEST_SHARE: f64 = 0.125;
+/// Ground up to this height is sea, metres.
+const SEA_M: f32 = 0.4;
+/// Summits that stand out stay in the mesh longer than their error alone would keep them.
+pub(crate) const SUMMITS: SummitRule = SummitRule { factor: 1.0, min_prominence_m: 100.0 };
 
 /// Where the map stands and how far it reaches.
 #[derive(Debug, Clone, Args)]
@@ -29,6 +37,29 @@ pub(crate) struct PlaceArgs {
     /// What ground without data is
     #[arg(long, value_enum, default_value_t, value_name = "WHAT")]
     pub(crate) no_data: NoData,
+}
+
+impl PlaceArgs {
+    /// The ground to read.
+    pub(crate) fn ground(&self) -> MapGroundOptions {
+        let [lat, lon] = self.at;
+        MapGroundOptions {
+            radius_m: 1000.0 * self.radius,
+            spacing_m: self.spacing,
+            finest_spacing_m: FINEST_SHARE * self.spacing,
+            no_data: match self.no_data {
+                NoData::Sea => yamanami::NoData::Sea,
+                NoData::Blank => yamanami::NoData::Hole,
+            },
+            ..MapGroundOptions::around([lon, lat])
+        }
+    }
+
+    /// Its colours in air of this haze, metres.
+    pub(crate) fn relief(&self, haze_m: f64) -> ReliefStyle {
+        let sea_level_m = (self.no_data == NoData::Sea).then_some(SEA_M);
+        ReliefStyle { haze_m, sea_level_m, ..ReliefStyle::default() }
+    }
 }
 
 /// What ground without data is.
@@ -204,11 +235,19 @@ impl OverlayArgs {
     }
 }
 
+/// Places, lines, and what was skipped of them, one line each.
+type ReadOverlay = (Vec<NamedPlace>, Vec<MapLine>, Vec<String>);
+
 /// Places and lines of all files, laid into the plane, and what was skipped, one line each.
-pub(crate) fn map_places_and_lines(
-    overlay: &OverlayArgs,
-    plane: &AzimuthalPlane,
-) -> Result<(Vec<NamedPlace>, Vec<MapLine>, Vec<String>), Failure> {
+pub(crate) fn map_places_and_lines(overlay: &OverlayArgs, plane: &AzimuthalPlane) -> Result<ReadOverlay, Failure> {
+    let (mut places, mut lines, notes) = places_and_lines(overlay)?;
+    lay_places(&mut places, plane);
+    lay_lines(&mut lines, plane);
+    Ok((places, lines, notes))
+}
+
+/// The same in longitude and latitude.
+pub(crate) fn places_and_lines(overlay: &OverlayArgs) -> Result<ReadOverlay, Failure> {
     let (mut places, mut lines, mut notes) = (Vec::new(), Vec::new(), Vec::new());
     for file in &overlay.places {
         let read = read_places(file, &PlaceReadOptions::default())?;
@@ -222,8 +261,6 @@ pub(crate) fn map_places_and_lines(
         lines.extend(read.lines);
         notes.extend(read.notes.iter().map(|note| format!("{}: {note}", file.display())));
     }
-    lay_places(&mut places, plane);
-    lay_lines(&mut lines, plane);
     Ok((places, lines, notes))
 }
 

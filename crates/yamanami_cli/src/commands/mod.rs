@@ -36,12 +36,18 @@ mod render_model;
 mod reproduce;
 mod tin;
 mod view;
+mod view_map;
 mod volume;
 mod wavelet;
 mod wavelet_text;
 
 use crate::failure::Failure;
 use clap::{Parser, Subcommand};
+use std::ffi::OsString;
+
+/// The window of maps is asked for as `view` with `--map`, which stands anywhere; its arguments are others than those of
+/// `view`, so that to the parser it is a command of its own, by this name.
+const VIEW_MAP: &str = "view --map";
 
 /// Survey elevation data to smooth, exact and small multiresolution surfaces.
 #[derive(Debug, Parser)]
@@ -76,6 +82,8 @@ enum Command {
     Info(info::InfoArgs),
     Build(build::BuildArgs),
     View(view::ViewArgs),
+    #[command(name = VIEW_MAP, hide = true)]
+    ViewMap(Box<view_map::ViewMapArgs>),
     Fly(Box<fly::FlyArgs>),
     Render(render::RenderArgs),
     Map(Box<map::MapArgs>),
@@ -93,12 +101,18 @@ enum Command {
 }
 
 impl Program {
+    /// As the program was called.
+    pub(crate) fn of_arguments() -> Self {
+        Self::parse_from(with_view_map(std::env::args_os().collect()))
+    }
+
     pub(crate) fn run(&self) -> Result<(), Failure> {
         match &self.command {
             Command::Demo(args) => demo::run(args),
             Command::Info(args) => info::run(args),
             Command::Build(args) => build::run(args),
             Command::View(args) => view::run(args),
+            Command::ViewMap(args) => view_map::run(args),
             Command::Fly(args) => fly::run(args),
             Command::Render(args) => render::run(args),
             Command::Extract(args) => extract::run(args),
@@ -117,13 +131,32 @@ impl Program {
     }
 }
 
+/// `view … --map …` as the one command that it is.
+fn with_view_map(mut arguments: Vec<OsString>) -> Vec<OsString> {
+    let flag = arguments.iter().take_while(|&a| a != "--").position(|a| a == "--map");
+    if let Some(flag) = flag.filter(|_| arguments.get(1).is_some_and(|a| a == "view")) {
+        arguments.remove(flag);
+        arguments[1] = VIEW_MAP.into();
+    }
+    arguments
+}
+
 #[cfg(test)]
 mod tests {
-    use super::Program;
+    use super::{Program, with_view_map};
     use clap::CommandFactory;
 
     #[test]
     fn the_command_line_is_sound() {
         Program::command().debug_assert();
+    }
+
+    #[test]
+    fn the_window_of_maps_is_a_command_of_its_own() {
+        let of = |line: &str| with_view_map(line.split(' ').map(Into::into).collect()).join(" ".as_ref());
+        assert_eq!(of("yamanami view a.tif --map --at 1,2"), "yamanami view --map a.tif --at 1,2");
+        assert_eq!(with_view_map(vec!["yamanami".into(), "view".into(), "--map".into()])[1..], ["view --map"]);
+        assert_eq!(of("yamanami view -- --map"), "yamanami view -- --map");
+        assert_eq!(of("yamanami render a.tif --map"), "yamanami render a.tif --map");
     }
 }

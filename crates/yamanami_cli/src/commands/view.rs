@@ -16,6 +16,7 @@ Examples:
   yamanami view dem.yama --path flight.json                  replay a recorded path
   yamanami view dem.yama --water 620 --colour slope          with water, which is measured
   yamanami view scan.yama                                    around a model
+  yamanami view --map dem.tif --at 35.36,138.73              a deformed map (yamanami view --map --help)
 
 All that is set here can be changed in the window.")]
 pub(crate) struct ViewArgs {
@@ -80,6 +81,12 @@ fn open(args: &ViewArgs, subject: impl yamanami::Subject + 'static) -> Result<()
 
 #[cfg(not(feature = "viewer"))]
 pub(crate) fn run(_: &ViewArgs) -> Result<(), Failure> {
+    no_window()
+}
+
+/// What is told where the window was left out.
+#[cfg(not(feature = "viewer"))]
+pub(super) fn no_window() -> Result<(), Failure> {
     Err(Failure::failed(
         "this yamanami was built without its window; rebuild with: cargo build --release -p yamanami_cli --features viewer",
     ))

@@ -289,7 +289,8 @@ impl<S: Subject> Viewer<S> {
         if let Some(held) = self.stage.frozen() {
             overlay::held_view(&painter, rect, view, held, &ground);
         }
-        overlay::compass(&painter, rect, view);
+        let forward = view.forward();
+        let _ = overlay::compass(&painter, rect, forward.x.atan2(forward.y) as f32);
         let mode = if self.rig.mode() == Mode::Fly { format!("flight x{:.1}, ", self.rig.pace) } else { String::new() };
         let above_m = view.eye.z - ground.height_m(view.eye.truncate());
         let above = if ground.holds(view.eye.truncate()) { format!(" ({above_m:.0} m up)") } else { String::new() };
@@ -359,7 +360,7 @@ impl<S: Subject> eframe::App for Viewer<S> {
             self.stage.restart(&self.settings);
         }
         let drawn = egui::CentralPanel::no_frame().show(ui, |ui| self.picture(ui, action, dt_s)).inner;
-        overlay::help(ui, &mut self.help);
+        overlay::help(ui, &mut self.help, &overlay::HELP, overlay::HELP_LINE);
         match drawn {
             Ok(()) => {}
             // what only writes a file may fail and the flight goes on

@@ -23,14 +23,7 @@ pub(super) fn pressed(ui: &egui::Ui, settings: &mut Settings, colours: &[Colour]
     if ui.text_edit_focused() {
         return None;
     }
-    let pressed = |key: Key| {
-        ui.input(|i| {
-            i.events.iter().any(|event| {
-                matches!(event, Event::Key { key: k, pressed: true, repeat: false, modifiers, .. }
-                    if *k == key && !modifiers.command && !modifiers.alt)
-            })
-        })
-    };
+    let pressed = |key: Key| is_pressed(ui, key);
     if pressed(Key::C) {
         let next = colours.iter().position(|&c| c == settings.colour).map_or(0, |i| (i + 1) % colours.len());
         settings.colour = colours[next];
@@ -38,6 +31,16 @@ pub(super) fn pressed(ui: &egui::Ui, settings: &mut Settings, colours: &[Colour]
     settings.wireframe ^= pressed(Key::L);
     settings.morph ^= pressed(Key::G);
     ACTIONS.into_iter().find_map(|(key, action)| pressed(key).then_some(action))
+}
+
+/// Whether a key has been pressed in this frame, alone.
+pub(super) fn is_pressed(ui: &egui::Ui, key: Key) -> bool {
+    ui.input(|i| {
+        i.events.iter().any(|event| {
+            matches!(event, Event::Key { key: k, pressed: true, repeat: false, modifiers, .. }
+                if *k == key && !modifiers.command && !modifiers.alt)
+        })
+    })
 }
 
 /// What keys held down ask of the camera.

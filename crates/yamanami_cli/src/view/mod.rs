@@ -3,12 +3,14 @@
 //! [`run`] opens it and comes back when it is closed. The parts: [`app`] is one frame after another, [`camera`] moves the
 //! eye, [`ground`] tells where the land is, [`stage`] keeps the scene and draws it on a texture, [`settings`] is what the
 //! side [`panel`] turns, [`plots`] draws the running numbers, [`water`] measures what is flooded, [`overlay`] what lies over the picture, [`recorder`] takes
-//! and replays camera paths, [`keys`] reads the keyboard, [`screenshot`] writes pictures.
+//! and replays camera paths, [`keys`] reads the keyboard, [`screenshot`] writes pictures, [`target`] is the texture in
+//! the window. [`map`] is the other window, of deformed maps.
 
 mod app;
 mod camera;
 mod ground;
 mod keys;
+pub(crate) mod map;
 mod overlay;
 mod panel;
 mod plots;
@@ -16,6 +18,7 @@ mod recorder;
 mod screenshot;
 mod settings;
 mod stage;
+mod target;
 mod water;
 
 use crate::pictures::Colour;
@@ -76,10 +79,19 @@ type Failure = Arc<Mutex<Option<String>>>;
 /// Opens the window and stays until it is closed. The error is one line.
 pub(crate) fn run(subject: impl Subject + 'static, options: Options) -> Result<(), String> {
     let title = format!("{} - yamanami", subject.title());
+    open(&title, options.size, move |context, failure| app::Viewer::new(context, subject, options, failure))
+}
+
+/// Opens a window of this size, points, and stays until it is closed. The error is one line.
+fn open<A: eframe::App + 'static>(
+    title: &str,
+    size: [u32; 2],
+    create: impl FnOnce(&eframe::CreationContext<'_>, Failure) -> Result<A, String> + 'static,
+) -> Result<(), String> {
     let native = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
-            .with_title(&title)
-            .with_inner_size(options.size.map(|side| side.clamp(320, 16_384) as f32))
+            .with_title(title)
+            .with_inner_size(size.map(|side| side.clamp(320, 16_384) as f32))
             .with_min_inner_size([320.0, 240.0]),
         wgpu_options: graphics(),
         persist_window: false,
@@ -87,8 +99,7 @@ pub(crate) fn run(subject: impl Subject + 'static, options: Options) -> Result<(
     };
     let failure = Failure::default();
     let seen = Arc::clone(&failure);
-    let create: eframe::AppCreator<'_> =
-        Box::new(move |context| Ok(Box::new(app::Viewer::new(context, subject, options, failure)?)));
+    let create: eframe::AppCreator<'_> = Box::new(move |context| Ok(Box::new(create(context, failure)?)));
     eframe::run_native("yamanami", native, create).map_err(|error| in_words(&error))?;
     let reason = seen.lock().ok().and_then(|mut reason| reason.take());
     reason.map_or(Ok(()), Err)

@@ -1,7 +1,7 @@
 //! What lies over the picture: the frustum of a held front, compass, places, messages and help.
 
 use super::ground::{Ground, ray_through};
-use eframe::egui::{self, Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, pos2, vec2};
+use eframe::egui::{self, Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, Vec2, pos2, vec2};
 use glam::{DVec2, DVec3, DVec4};
 use yamanami::Subject;
 use yamanami::core::{Perspective, Projection, View};
@@ -9,10 +9,10 @@ use yamanami::core::{Perspective, Projection, View};
 /// Colour of the held view's lines.
 const HELD: Color32 = Color32::from_rgb(255, 196, 64);
 /// Background of text over the picture.
-const SHADE: Color32 = Color32::from_black_alpha(150);
+const SHADE: Color32 = Color32::from_black_alpha(190);
 
 /// Keys and mouse, for the help.
-const HELP: [(&str, &str); 18] = [
+pub(super) const HELP: [(&str, &str); 18] = [
     ("drag left", "orbit; in flight look around"),
     ("drag right or middle", "move along the land"),
     ("wheel, pinch", "nearer to the cursor's point; in flight the pace"),
@@ -32,6 +32,9 @@ const HELP: [(&str, &str); 18] = [
     ("M", "side panel"),
     ("H or F1", "this help"),
 ];
+
+/// And the line under them.
+pub(super) const HELP_LINE: &str = "Drop an image on the window to lay it over the land, a path (.json) to fly it.";
 
 /// Draws the edges of a held view and where its corners meet the land.
 pub(super) fn held_view(painter: &Painter, rect: Rect, view: &View, held: &View, ground: &Ground<'_>) {
@@ -79,10 +82,9 @@ fn projected(view: &View, rect: Rect, from: DVec3, to: DVec3) -> Option<[Pos2; 2
     Some([place(from), place(to)])
 }
 
-/// A needle to the north in the upper right corner.
-pub(super) fn compass(painter: &Painter, rect: Rect, view: &View) {
-    let forward = view.forward();
-    let heading_rad = forward.x.atan2(forward.y) as f32;
+/// A needle to the north in the upper right corner; the azimuth that points up in radians clockwise from north.
+/// Gives its place.
+pub(super) fn compass(painter: &Painter, rect: Rect, heading_rad: f32) -> Rect {
     let (centre, radius) = (rect.right_top() + vec2(-38.0, 38.0), 15.0);
     let north = vec2(-heading_rad.sin(), -heading_rad.cos());
     let side = vec2(-north.y, north.x) * 4.5;
@@ -100,6 +102,7 @@ pub(super) fn compass(painter: &Painter, rect: Rect, view: &View) {
         FontId::proportional(12.0),
         Color32::WHITE,
     );
+    Rect::from_center_size(centre, Vec2::splat(2.0 * (radius + 14.0)))
 }
 
 /// A line of text over the picture.
@@ -124,8 +127,8 @@ pub(super) fn place(subject: &impl Subject, point: DVec3) -> String {
     }
 }
 
-/// The window with keys and mouse.
-pub(super) fn help(ui: &egui::Ui, open: &mut bool) {
+/// The window with keys and mouse, and a line under it.
+pub(super) fn help(ui: &egui::Ui, open: &mut bool, keys: &[(&str, &str)], line: &str) {
     egui::Window::new("Keys and mouse")
         .open(open)
         .collapsible(false)
@@ -133,14 +136,14 @@ pub(super) fn help(ui: &egui::Ui, open: &mut bool) {
         .anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0))
         .show(ui, |ui| {
             egui::Grid::new("help").num_columns(2).spacing([24.0, 4.0]).show(ui, |ui| {
-                for (keys, what) in HELP {
-                    ui.strong(keys);
-                    ui.label(what);
+                for (keys, what) in keys {
+                    ui.strong(*keys);
+                    ui.label(*what);
                     ui.end_row();
                 }
             });
             ui.separator();
-            ui.label("Drop an image on the window to lay it over the land, a path (.json) to fly it.");
+            ui.label(line);
         });
 }
 

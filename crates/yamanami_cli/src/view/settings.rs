@@ -152,6 +152,7 @@ impl Settings {
             budget_triangles: self.budget_on.then_some(self.budget_triangles),
             hysteresis: self.hysteresis,
             max_steps: self.steps_on.then_some(self.max_steps),
+            ..Criteria::default()
         }
     }
 

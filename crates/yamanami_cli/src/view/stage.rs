@@ -1,7 +1,8 @@
 //! The terrain or model, its scene on the window's graphics device, and the texture that the picture is drawn on.
 
 use super::settings::{Colour, Control, Settings};
-use eframe::{egui, egui_wgpu, wgpu};
+use super::target::{FORMAT, Target};
+use eframe::{egui, egui_wgpu};
 use image::RgbaImage;
 use std::path::Path;
 use std::sync::Arc;
@@ -10,8 +11,6 @@ use yamanami::core::View;
 use yamanami::gpu::{Drape, Gpu};
 use yamanami::{Canvas, Error, GroundImage, LimitedBy, Scene, Subject, Upload};
 
-/// egui shows textures of this format; the shaders encode sRGB themselves.
-const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 /// Most pages read from a database between two frames in rebuild mode.
 const PAGES_PER_FRAME: usize = 64;
 /// Frames without a change after which the staircase's feedback counts as settled: its thresholds move slowly at the end.
@@ -19,13 +18,6 @@ const QUIET_FRAMES: u32 = 8;
 /// Longest side and most memory of an image laid over the terrain.
 const IMAGE_SIDE_PX: u32 = 1 << 16;
 const IMAGE_BYTES: u64 = 1 << 30;
-
-/// A texture of the size of the picture.
-#[derive(Debug)]
-struct Target {
-    view: wgpu::TextureView,
-    size_px: [u32; 2],
-}
 
 /// What a frame did.
 #[derive(Debug, Clone, Copy)]
@@ -55,9 +47,7 @@ pub(super) struct Stage<S> {
     pub(super) subject: S,
     scene: Scene,
     render: egui_wgpu::RenderState,
-    target: Option<Target>,
-    /// The picture, for egui.
-    texture: Option<egui::TextureId>,
+    target: Target,
     drape: Option<Arc<Drape>>,
     /// Images laid over the terrain so far.
     images: u32,
@@ -80,8 +70,7 @@ impl<S: Subject> Stage<S> {
             subject,
             scene,
             render,
-            target: None,
-            texture: None,
+            target: Target::default(),
             drape: None,
             images: 0,
             drawn: None,
@@ -162,10 +151,8 @@ impl<S: Subject> Stage<S> {
         let started = Instant::now();
         let style =
             settings.style(&self.subject, self.drape.as_ref(), self.threshold_px.filter(|_| self.frozen.is_none()));
-        self.resize(view.viewport_px);
-        if let Some(target) = &self.target {
-            self.scene.draw_on(&target.view, FORMAT, &view, &style)?;
-        }
+        let target = self.target.fit(&self.render, view.viewport_px);
+        self.scene.draw_on(&target, FORMAT, &view, &style)?;
         numbers.draw_ms = started.elapsed().as_secs_f64() * 1e3;
         self.drawn = Some(drawn);
         Ok(Some(numbers))
@@ -178,7 +165,7 @@ impl<S: Subject> Stage<S> {
 
     /// The picture for egui, once there is one.
     pub(super) fn texture(&self) -> Option<egui::TextureId> {
-        self.texture
+        self.target.id()
     }
 
     /// The picture as it is shown, without what lies over it.
@@ -229,32 +216,6 @@ impl<S: Subject> Stage<S> {
             },
             draw_ms: 0.0,
         })
-    }
-
-    /// Makes the texture fit the picture.
-    fn resize(&mut self, size_px: [u32; 2]) {
-        if self.target.as_ref().is_some_and(|target| target.size_px == size_px) {
-            return;
-        }
-        let device = &self.render.device;
-        let texture = device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("yamanami view"),
-            size: wgpu::Extent3d { width: size_px[0], height: size_px[1], depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: FORMAT,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
-            view_formats: &[],
-        });
-        let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
-        let mut egui = self.render.renderer.write();
-        let filter = wgpu::FilterMode::Linear;
-        match self.texture {
-            Some(id) => egui.update_egui_texture_from_wgpu_texture(device, &view, filter, id),
-            None => self.texture = Some(egui.register_native_texture(device, &view, filter)),
-        }
-        self.target = Some(Target { view, size_px });
     }
 }
 

@@ -60,15 +60,15 @@ impl Lettering {
         is_hidden: bool,
     ) -> (Self, Option<MissingGlyphs>) {
         let (written, lack) = written_name(style, options.names, place);
-        let (name, part) = parted(&written);
+        let (name, part) = parted_name(&written);
         let is_summit = place.kind == PlaceKind::Summit;
         let mut more = part.map(|part| format!(" {part}")).unwrap_or_default();
         if options.names == NameForm::Both
-            && let Some(reading) = latin(place).or_else(|| place.reading.clone())
+            && let Some(reading) = latin_name(place).or_else(|| place.reading.clone())
             && reading != written
             && style.fonts.missing(&reading).is_empty()
         {
-            more += &format!(" {}", parted(&reading).0);
+            more += &format!(" {}", parted_name(&reading).0);
         }
         let mut numbers = String::new();
         if options.has_numbers && (is_summit || place.kind == PlaceKind::Pass) && place.height_m.is_some() {
@@ -107,7 +107,7 @@ impl Lettering {
 }
 
 /// A mountain and, in brackets after it, which of its summits.
-fn parted(name: &str) -> (&str, Option<&str>) {
+pub fn parted_name(name: &str) -> (&str, Option<&str>) {
     let is_opening = |c| matches!(c, '<' | '(' | '（' | '〈' | '＜');
     match name.char_indices().find(|&(at, c)| at > 0 && is_opening(c)) {
         Some((at, c)) => {
@@ -119,7 +119,7 @@ fn parted(name: &str) -> (&str, Option<&str>) {
 }
 
 /// The name in Latin letters, given or made from the kana.
-fn latin(place: &NamedPlace) -> Option<String> {
+pub fn latin_name(place: &NamedPlace) -> Option<String> {
     let given = place.latin.clone().filter(|latin| !latin.trim().is_empty());
     given.or_else(|| place.reading.as_deref().and_then(romaji::from_kana))
 }
@@ -127,14 +127,14 @@ fn latin(place: &NamedPlace) -> Option<String> {
 /// The name in the form asked for, in letters the fonts have where there is any such form.
 fn written_name(style: &Style<'_>, form: NameForm, place: &NamedPlace) -> (String, Option<MissingGlyphs>) {
     let wanted = match form {
-        NameForm::Latin => latin(place).unwrap_or_else(|| place.name.clone()),
+        NameForm::Latin => latin_name(place).unwrap_or_else(|| place.name.clone()),
         NameForm::Local | NameForm::Both => place.name.clone(),
     };
     let characters = style.fonts.missing(&wanted);
     if characters.is_empty() {
         return (wanted, None);
     }
-    let others = [Some(place.name.clone()), place.reading.clone(), latin(place)];
+    let others = [Some(place.name.clone()), place.reading.clone(), latin_name(place)];
     let written = others.into_iter().flatten().find(|text| !text.is_empty() && style.fonts.missing(text).is_empty());
     let said = written.clone().unwrap_or(wanted);
     (said, Some(MissingGlyphs { name: place.name.clone(), characters, written }))

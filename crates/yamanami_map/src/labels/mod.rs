@@ -13,7 +13,7 @@ mod romaji;
 #[cfg(test)]
 mod tests;
 
-pub use lettering::MissingGlyphs;
+pub use lettering::{MissingGlyphs, latin_name, parted_name};
 pub(crate) use near::draw_mark;
 
 use crate::boxes::{OrientedBox, Taken};
