@@ -153,7 +153,8 @@ impl Study {
         let map = DeformedMap::default();
         let view = MapView::fitted(map, [side_px; 2], rim_m, top_m, 0.0);
         let tables = Tables::measure(field.widest(), &view);
-        let summits = summits(field.widest(), peaks::MIN_PROMINENCE_M);
+        let mut summits = summits(field.widest(), peaks::MIN_PROMINENCE_M);
+        summits.retain(|s| field.widest().plane_from_grid(s.column, s.row).length() <= rim_m);
         let scene = DeformedScene::new(field, &BuildOptions::default(), DrawWith::Software)?;
         scene.check(&map).map_err(|fault| Error::Request(fault.to_string()))?;
         Ok(Self { scene, view, summits, tables, known_share })

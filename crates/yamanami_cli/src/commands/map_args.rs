@@ -206,15 +206,25 @@ pub(crate) fn map_places_and_lines(
     overlay: &OverlayArgs,
     plane: &AzimuthalPlane,
 ) -> Result<(Vec<NamedPlace>, Vec<MapLine>, Vec<String>), Failure> {
+    places_and_lines(&overlay.places, &overlay.lines, &overlay.track, plane)
+}
+
+/// The same of files of places, lines and walks.
+pub(crate) fn places_and_lines(
+    place_files: &[PathBuf],
+    line_files: &[PathBuf],
+    tracks: &[PathBuf],
+    plane: &AzimuthalPlane,
+) -> Result<(Vec<NamedPlace>, Vec<MapLine>, Vec<String>), Failure> {
     let (mut places, mut lines, mut notes) = (Vec::new(), Vec::new(), Vec::new());
-    for file in &overlay.places {
+    for file in place_files {
         let read = read_places(file, &PlaceReadOptions::default())?;
         places.extend(read.places);
         notes.extend(read.notes.iter().map(|note| format!("{}: {note}", file.display())));
     }
     let of_kind = |kind| LineReadOptions { kind, ..LineReadOptions::default() };
-    let tracks = overlay.track.iter().map(|file| (file, of_kind(Some(LineKind::Track))));
-    for (file, options) in overlay.lines.iter().map(|file| (file, of_kind(None))).chain(tracks) {
+    let tracks = tracks.iter().map(|file| (file, of_kind(Some(LineKind::Track))));
+    for (file, options) in line_files.iter().map(|file| (file, of_kind(None))).chain(tracks) {
         let read = read_lines(file, &options)?;
         lines.extend(read.lines);
         notes.extend(read.notes.iter().map(|note| format!("{}: {note}", file.display())));
