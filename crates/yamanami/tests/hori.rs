@@ -4,13 +4,11 @@ use yamanami::core::{FieldLevel, NestedField};
 use yamanami::{HoriGround, HoriJob, hori};
 use yamanami_testkit::{Shape, Spacing, SyntheticTerrain};
 
-const HALF: u32 = 144;
-
-fn ground(relief_m: f32, name: &str) -> HoriGround {
-    let width = 2 * HALF as usize + 1;
-    let shape = Shape::Fractal { relief_m, roughness: 0.5, seed: 3 };
+fn ground(half: u32, relief_m: f32, name: &str) -> HoriGround {
+    let width = 2 * half as usize + 1;
+    let shape = Shape::Fractal { relief_m, roughness: 0.65, seed: 3 };
     let field = SyntheticTerrain::new(width, width, shape, Spacing::Metres(200.0)).to_field();
-    let field = NestedField::new(vec![FieldLevel::new(200.0, HALF, field.into_heights_m())]);
+    let field = NestedField::new(vec![FieldLevel::new(200.0, half, field.into_heights_m())]);
     HoriGround { name: name.to_owned(), title: format!("A made ground, {name}"), field }
 }
 
@@ -30,7 +28,7 @@ fn job(ground: HoriGround, made: Vec<HoriGround>) -> HoriJob {
 #[test]
 fn the_page_is_whole() {
     let out = tempfile::tempdir().unwrap();
-    let job = job(ground(2_500.0, "main"), vec![ground(1_000.0, "gentle")]);
+    let job = job(ground(144, 2_500.0, "main"), vec![ground(80, 1_000.0, "gentle")]);
     let found = hori(job, out.path(), &|_| ()).unwrap();
     assert_eq!(found.page, out.path().join("index.html"));
     let text = std::fs::read_to_string(out.path().join("hori.md")).unwrap();
@@ -73,6 +71,6 @@ fn the_page_is_whole() {
 #[test]
 fn ground_above_the_eye_is_refused() {
     let out = tempfile::tempdir().unwrap();
-    let refused = hori(job(ground(9_000.0, "high"), Vec::new()), out.path(), &|_| ()).unwrap_err().to_string();
+    let refused = hori(job(ground(80, 12_000.0, "high"), Vec::new()), out.path(), &|_| ()).unwrap_err().to_string();
     assert!(refused.starts_with("eye height: expected above all ground near the ring"), "{refused}");
 }

@@ -111,15 +111,9 @@ pub(super) fn flights(study: &mut Study) -> Result<Vec<HoriFlight>, Error> {
     ])
 }
 
-fn flight(
-    study: &mut Study,
-    name: &'static str,
-    tolerance_px: f32,
-    budget: Option<u32>,
-) -> Result<HoriFlight, Error> {
+fn flight(study: &mut Study, name: &'static str, tolerance_px: f32, budget: Option<u32>) -> Result<HoriFlight, Error> {
     let at = |share: f64| {
-        let map =
-            DeformedMap { alpha: share * LAST_ALPHA, centre: share * LAST_EYE_M, ..study.view.map };
+        let map = DeformedMap { alpha: share * LAST_ALPHA, centre: share * LAST_EYE_M, ..study.view.map };
         MapView { map, ..study.view }
     };
     let scene = &mut study.scene;

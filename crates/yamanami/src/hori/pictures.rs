@@ -22,12 +22,7 @@ const QUALITY: u8 = 88;
 const SQUARE_M: f64 = 6_400.0;
 
 /// Draws all pictures into `out`.
-pub(super) fn draw(
-    study: &mut Study,
-    job: &mut HoriJob,
-    modes: &[HoriMode],
-    out: &Path,
-) -> Result<Vec<Shown>, Error> {
+pub(super) fn draw(study: &mut Study, job: &mut HoriJob, modes: &[HoriMode], out: &Path) -> Result<Vec<Shown>, Error> {
     let mut shown = twelve(study, out)?;
     shown.extend(thirteen(study, job, modes, out)?);
     Ok(shown)
@@ -102,7 +97,8 @@ fn thirteen(study: &mut Study, job: &mut HoriJob, modes: &[HoriMode], out: &Path
     let engine = study.scene.canvas().buffers();
     let b = "(b') The engine with as many triangles, {}: each is there for what it moves in the picture.";
     show(engine, &options, "b2", b.to_owned())?;
-    let d = "(d') The mesh of (b'): fine where ground is steep and near the ring, coarse on plains, at sea and far away.";
+    let d =
+        "(d') The mesh of (b'): fine where ground is steep and near the ring, coarse on plains, at sea and far away.";
     show(engine, &meshed, "d2", d.to_owned())?;
     shown.insert(2, lettered(study, job, out)?);
     Ok(shown)

@@ -101,11 +101,8 @@ pub(super) fn run(args: &ReproduceArgs) -> Result<(), Failure> {
         })
         .collect();
     let coarsest_m = ground.sources.iter().map(|source| source.spacing_m).fold(0.0, f64::max);
-    let thin = if coarsest_m > SPACING_M {
-        ", between whose samples the grid of 200 m has no detail of its own"
-    } else {
-        ""
-    };
+    let thin =
+        if coarsest_m > SPACING_M { ", between whose samples the grid of 200 m has no detail of its own" } else { "" };
     let title = format!("latitude {lat}, longitude {lon}; {}{thin}", parts.join(", "));
     let job = HoriJob {
         ground: HoriGround { name: "real".to_owned(), title, field: ground.field },
@@ -133,7 +130,8 @@ fn unpacked(folder: &Path, name: &str, bytes: &[u8]) -> Result<PathBuf, Failure>
 fn made() -> Vec<HoriGround> {
     let width = 2 * MADE_HALF as usize + 1;
     let shape = Shape::Fractal { relief_m: 1_000.0, roughness: MADE_ROUGHNESS, seed: 7 };
-    let mut heights_m = SyntheticTerrain::new(width, width, shape, Spacing::Metres(SPACING_M)).to_field().into_heights_m();
+    let mut heights_m =
+        SyntheticTerrain::new(width, width, shape, Spacing::Metres(SPACING_M)).to_field().into_heights_m();
     let grid = FieldLevel::new(SPACING_M, MADE_HALF, heights_m.clone());
     let sigma = slope_sigma(&grid, DVec2::ZERO, grid.reach_m()).into_iter().find(|row| row.hypotenuse_m >= 799.0);
     let factor = sigma.map_or(1.0, |row| MADE_SIGMA / row.sigma) as f32;
@@ -181,7 +179,8 @@ fn to_json(found: &HoriFound) -> Value {
             "modes": ground.modes.iter().map(mode).collect::<Vec<_>>(),
         })
     };
-    let draw = |draw: &yamanami::HoriDraw| json!({ "name": draw.name, "triangles": draw.triangles, "draw_ms": draw.draw_ms });
+    let draw =
+        |draw: &yamanami::HoriDraw| json!({ "name": draw.name, "triangles": draw.triangles, "draw_ms": draw.draw_ms });
     let flight = |flight: &yamanami::HoriFlight| {
         json!({
             "name": flight.name,

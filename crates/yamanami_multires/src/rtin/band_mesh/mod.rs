@@ -111,7 +111,10 @@ impl BandMesh {
             let vertex = peaks::nearest(triangle, &self.samples, [summit.column, summit.row].map(|at| at as i64)).1;
             let drawn = self.mesh.positions[vertex as usize];
             let top = grid.plane_from_grid(summit.column, summit.row);
-            Some(SummitError { height_error_m: drawn.z - f64::from(summit.height_m), shift_m: drawn.truncate().distance(top) })
+            Some(SummitError {
+                height_error_m: drawn.z - f64::from(summit.height_m),
+                shift_m: drawn.truncate().distance(top),
+            })
         };
         summits.iter().map(one).collect()
     }
