@@ -114,7 +114,7 @@ pub(crate) fn run(args: &MapArgs) -> Result<(), Failure> {
     times.build_ms = ms(started);
     let mut job = job(args, map, &scene, fonts);
     let image = args.overlay.image.as_deref().map(|file| MapImage::read(file, args.overlay.image_crs.as_ref()));
-    job.image = image.transpose()?.map(|image| (image, plane.clone()));
+    job.image = image.transpose()?.map(|image| (image, plane));
 
     let started = Instant::now();
     let [lat, lon] = args.place.at;

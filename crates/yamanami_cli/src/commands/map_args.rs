@@ -201,11 +201,11 @@ impl OverlayArgs {
     }
 }
 
-/// Places and lines of all files, laid into the plane, and what was skipped, one line each.
-pub(crate) fn map_places_and_lines(
-    overlay: &OverlayArgs,
-    plane: &AzimuthalPlane,
-) -> Result<(Vec<NamedPlace>, Vec<MapLine>, Vec<String>), Failure> {
+/// Places, lines, and what was skipped, one line each.
+pub(crate) type Overlays = (Vec<NamedPlace>, Vec<MapLine>, Vec<String>);
+
+/// Places and lines of all files, laid into the plane.
+pub(crate) fn map_places_and_lines(overlay: &OverlayArgs, plane: &AzimuthalPlane) -> Result<Overlays, Failure> {
     places_and_lines(&overlay.places, &overlay.lines, &overlay.track, plane)
 }
 
@@ -215,7 +215,7 @@ pub(crate) fn places_and_lines(
     line_files: &[PathBuf],
     tracks: &[PathBuf],
     plane: &AzimuthalPlane,
-) -> Result<(Vec<NamedPlace>, Vec<MapLine>, Vec<String>), Failure> {
+) -> Result<Overlays, Failure> {
     let (mut places, mut lines, mut notes) = (Vec::new(), Vec::new(), Vec::new());
     for file in place_files {
         let read = read_places(file, &PlaceReadOptions::default())?;

@@ -91,7 +91,7 @@ pub(super) fn run(args: &ReproduceArgs) -> Result<(), Failure> {
         note(&line);
     }
     let image = own.image.as_deref().map(|file| MapImage::read(file, None)).transpose()?;
-    let image = image.map(|image| (image, ground.plane.clone()));
+    let image = image.map(|image| (image, ground.plane));
     let parts: Vec<String> = ground
         .sources
         .iter()
