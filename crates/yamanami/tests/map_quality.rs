@@ -45,17 +45,10 @@ impl Compared {
         let sigma = slope_sigma(&grid, DVec2::ZERO, 1e9);
         let sigma: Vec<_> =
             sigma.iter().map(|s| SlopeDeviation { hypotenuse_m: s.hypotenuse_m, sigma: s.sigma }).collect();
-        let table = BandTable::measured(
-            &view.map,
-            &BandRule { rim_m: view.rim_m, ..BandRule::paper(view.ring_px) },
-            &sigma,
-        );
-        let options = BandMeshOptions {
-            eye: DVec2::ZERO,
-            block_m: table.block_m,
-            reach_m: view.rim_m,
-            peaks: PeakRule::None,
-        };
+        let table =
+            BandTable::measured(&view.map, &BandRule { rim_m: view.rim_m, ..BandRule::paper(view.ring_px) }, &sigma);
+        let options =
+            BandMeshOptions { eye: DVec2::ZERO, block_m: table.block_m, reach_m: view.rim_m, peaks: PeakRule::None };
         let bands = band_mesh(&grid, &options, |r_m| table.level_at(r_m), &[]).unwrap();
         let errors = projected_error(&view, &grid, &bands.mesh.positions, &bands.mesh.triangles).all;
         let rtin = Rtin::build(NestedField::new(vec![grid.clone()]), &BuildOptions::default()).unwrap();

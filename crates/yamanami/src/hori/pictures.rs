@@ -123,6 +123,7 @@ fn lettered(study: &mut Study, job: &mut HoriJob, out: &Path) -> Result<Shown, E
         ink: Some(InkStyle::default()),
         wireframe: None,
         antialias: true,
+        is_checked: false,
         seen_from: SeenFrom::Picture,
         sheet,
         title: String::new(),
