@@ -68,7 +68,7 @@ pub use full_surface::{FullSurface, finest_mesh};
 pub use ground_image::{GroundImage, read_picture};
 pub use hide::{Closing, SeenSide, close, seen_side};
 pub use hiraoka::hiraoka;
-pub use hori::hori;
+pub use hori::{HoriDraw, HoriFlight, HoriFound, HoriGround, HoriGroundFound, HoriJob, HoriMode, hori};
 pub use large::{LargeOptions, LargeReport, LargeTarget, reduce_large};
 pub use large_tin::{FileTiles, GridTiles, TinFacts, TinTiles, build_tiles};
 pub use look::{LookLimits, LookSame, Original, Probe, look_same, worst_of};

@@ -5,13 +5,14 @@
 //! finer fades into the coarser (feathering, as in mosaics of pictures).
 //!
 //! A grid's sample has the source's height at its place: bicubic between samples where the source is as coarse as the
-//! grid or coarser, and thinned evenly, as in the paper on deformed maps, where it is finer. Finer grids lie nearer the
+//! grid, a spline through them where it is coarser, and thinned evenly, as in the paper on deformed maps, where it is finer. Finer grids lie nearer the
 //! centre, as far as a source has detail for them; coarser grids take their samples.
 
 mod border;
 mod interpolate;
 mod layer;
 mod source;
+mod spline;
 #[cfg(test)]
 mod tests;
 

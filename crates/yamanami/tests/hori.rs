@@ -1,52 +1,46 @@
-//! hori's experiment on a made ground: the page is whole, and says what it must.
+//! hori's experiment on a made ground: the page is whole, says what it must, and promises are kept.
 
 use yamanami::core::{FieldLevel, NestedField};
-use yamanami::hori;
-use yamanami::multires::rtin::band_mesh::Summit;
+use yamanami::{HoriGround, HoriJob, hori};
 use yamanami_testkit::{Shape, Spacing, SyntheticTerrain};
 
-const HALF: u32 = 200;
-
-fn ground(relief_m: f32) -> NestedField {
-    let width = 2 * HALF as usize + 1;
-    let shape = Shape::Fractal { relief_m, roughness: 0.5, seed: 3 };
+fn ground(half: u32, relief_m: f32, name: &str) -> HoriGround {
+    let width = 2 * half as usize + 1;
+    let shape = Shape::Fractal { relief_m, roughness: 0.65, seed: 3 };
     let field = SyntheticTerrain::new(width, width, shape, Spacing::Metres(200.0)).to_field();
-    NestedField::new(vec![FieldLevel::new(200.0, HALF, field.into_heights_m())])
+    let field = NestedField::new(vec![FieldLevel::new(200.0, half, field.into_heights_m())]);
+    HoriGround { name: name.to_owned(), title: format!("A made ground, {name}"), field }
 }
 
-/// Samples that are the highest within 2 km.
-fn summits(field: &NestedField) -> Vec<Summit> {
-    let (grid, width) = (field.widest(), field.widest().width());
-    let z = |column: usize, row: usize| grid.heights_m()[row * width + column];
-    let inner = 10..width - 10;
-    let places = inner.clone().flat_map(|row| inner.clone().map(move |column| (column, row)));
-    let is_top = |&(column, row): &(usize, usize)| {
-        (row - 10..=row + 10).all(|r| (column - 10..=column + 10).all(|c| z(c, r) <= z(column, row)))
-    };
-    let summit = |(column, row): (usize, usize)| Summit {
-        column: column as u32,
-        row: row as u32,
-        height_m: f64::from(z(column, row)),
-        prominence_m: 150.0,
-        saddle: None,
-    };
-    places.filter(is_top).map(summit).collect()
+fn job(ground: HoriGround, made: Vec<HoriGround>) -> HoriJob {
+    HoriJob {
+        ground,
+        made,
+        side_px: 260,
+        centre_lon_lat: None,
+        places: Vec::new(),
+        lines: Vec::new(),
+        image: None,
+        credits: Vec::new(),
+    }
 }
 
 #[test]
 fn the_page_is_whole() {
-    let field = ground(2_500.0);
-    let summits = summits(&field);
-    assert!(summits.len() > 10);
     let out = tempfile::tempdir().unwrap();
-    let page = hori(&field, &summits, "A made ground".to_owned(), out.path(), &|_| ()).unwrap();
-    assert_eq!(page, out.path().join("index.html"));
+    let job = job(ground(144, 2_500.0, "main"), vec![ground(80, 1_000.0, "gentle")]);
+    let found = hori(job, out.path(), &|_| ()).unwrap();
+    assert_eq!(found.page, out.path().join("index.html"));
     let text = std::fs::read_to_string(out.path().join("hori.md")).unwrap();
     for part in [
         "77,291 triangles by area; 77,360 in 1,933 whole blocks",
+        "What was found",
         "Figure 9",
         "Figure 11",
         "Figure 14",
+        "fig12c.jpg",
+        "fig13d2.jpg",
+        "A made ground, gentle",
     ] {
         assert!(text.contains(part), "{part}");
     }
@@ -54,6 +48,17 @@ fn the_page_is_whole() {
     for name in text.split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
         assert!(out.path().join(name).metadata().unwrap().len() > 1_000, "{name}");
     }
+    for ground in &found.grounds {
+        let mode = |file: &str| ground.modes.iter().find(|mode| mode.file == file).unwrap();
+        let (bands, engine) = (mode("printed_none"), mode("engine_equal"));
+        assert!(engine.triangles <= mode("printed_paper").triangles);
+        assert!(engine.report.all.max_px < bands.report.all.max_px);
+        assert!(mode("engine_rms").report.far.rms_px <= bands.report.far.rms_px);
+        assert!(mode("engine_1_5px").report.all.max_px <= 1.5);
+        let kept: Vec<bool> = ground.modes.iter().filter_map(yamanami::HoriMode::keeps_bound).collect();
+        assert_eq!(kept, [true; 4]);
+    }
+    assert!(found.draws[0].triangles > found.draws[1].triangles && found.flights.len() == 2);
     let table = std::fs::read_to_string(out.path().join("fig12.csv")).unwrap();
     let cell = |row: usize, column: usize| -> f64 {
         table.lines().nth(row + 1).unwrap().rsplit(',').nth(6 - column).unwrap().parse().unwrap()
@@ -65,8 +70,7 @@ fn the_page_is_whole() {
 
 #[test]
 fn ground_above_the_eye_is_refused() {
-    let field = ground(9_000.0);
     let out = tempfile::tempdir().unwrap();
-    let refused = hori(&field, &[], String::new(), out.path(), &|_| ()).unwrap_err().to_string();
+    let refused = hori(job(ground(80, 12_000.0, "high"), Vec::new()), out.path(), &|_| ()).unwrap_err().to_string();
     assert!(refused.starts_with("eye height: expected above all ground near the ring"), "{refused}");
 }

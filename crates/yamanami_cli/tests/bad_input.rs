@@ -141,3 +141,13 @@ fn a_closed_pipe_is_no_failure_and_a_full_disk_is() {
         assert!(String::from_utf8_lossy(&output.stderr).starts_with("error: standard output"));
     }
 }
+
+#[test]
+fn only_hori_takes_sources() {
+    let folder = tempfile::tempdir().unwrap();
+    let line = error(folder.path(), "reproduce mizuno dem.tif -o %/out", 2);
+    assert!(line.contains("only hori takes sources"), "{line}");
+    nothing_at(folder.path(), "out");
+    let line = error(folder.path(), "reproduce hori missing.tif -o %/out", 1);
+    assert!(line.contains("missing.tif"), "{line}");
+}

@@ -6,26 +6,14 @@ use std::sync::Mutex;
 use yamanami_core::{FieldLevel, Hierarchy, MeshMirror, NestedField, NodeId, Surface};
 use yamanami_multires::rtin::{BuildOptions, Rtin, SummitRule, summits};
 use yamanami_testkit::laws::{closure_law, hierarchy_law, surface_law};
-use yamanami_testkit::{RandomFront, Shape, Spacing, SyntheticTerrain};
+use yamanami_testkit::{RandomFront, nested_ground};
 
-/// Nested grids around one place, the coarsest of this spacing, over ground that is fractal at the finest.
-fn field(halves: &[u32], spacing_m: f64, seed: u64) -> NestedField {
-    let finest = halves.len() - 1;
-    let widest = ((2 * halves[0]) << finest) as usize + 1;
-    let shape = Shape::Fractal { relief_m: 900.0, roughness: 0.55, seed };
-    let ground = SyntheticTerrain::new(widest, widest, shape, Spacing::Metres(1.0)).to_field();
-    let level = |(i, &half): (usize, &u32)| {
-        let (step, middle) = (1usize << (finest - i), (halves[0] as usize) << finest);
-        let first = middle - half as usize * step;
-        let width = 2 * half as usize + 1;
-        let heights = (0..width * width).map(|n| ground.at(first + n % width * step, first + n / width * step));
-        FieldLevel::new(spacing_m / f64::from(1 << i), half, heights.collect())
-    };
-    NestedField::new(halves.iter().enumerate().map(level).collect())
+fn field(halves: &[u32]) -> NestedField {
+    nested_ground(halves, 200.0, 900.0, 7)
 }
 
 fn rtin(halves: &[u32]) -> Rtin {
-    Rtin::build(field(halves, 200.0, 7), &BuildOptions::default()).unwrap()
+    Rtin::build(field(halves), &BuildOptions::default()).unwrap()
 }
 
 const FIELDS: &[&[u32]] = &[&[2], &[8], &[22], &[18, 10], &[16, 32], &[14, 10, 8], &[6, 12, 24], &[6, 4, 4, 6]];
@@ -198,7 +186,7 @@ fn longest_edges_point_to_the_centre_and_the_base_is_eight_triangles() {
 fn prominent_summits_stay_longer() {
     let plain = rtin(&[40]);
     let rule = SummitRule { factor: 0.5, min_prominence_m: 20.0 };
-    let raised = Rtin::build(field(&[40], 200.0, 7), &BuildOptions { summits: Some(rule) }).unwrap();
+    let raised = Rtin::build(field(&[40]), &BuildOptions { summits: Some(rule) }).unwrap();
     hierarchy_law(&raised);
     let found = summits(plain.field().widest(), 20.0);
     assert!(found.len() > 10, "{} summits", found.len());

@@ -2,9 +2,9 @@
 //! of all nodes above a tolerance shows every sample within it.
 
 use glam::{DVec2, DVec3};
-use yamanami_core::{Curvature, DeformedMap, DropFrom, FieldLevel, Hierarchy, MapView, NestedField, NodeId};
+use yamanami_core::{FieldLevel, Hierarchy, MapView, NestedField, NodeId};
 use yamanami_multires::rtin::{BuildOptions, Rtin, SummitRule};
-use yamanami_testkit::{Rng, Shape, Spacing, SyntheticTerrain};
+use yamanami_testkit::{Rng, Shape, Spacing, SyntheticTerrain, random_map_view};
 
 /// Two grids of a ground with relief at all scales, of `width` and `width / 2` samples.
 fn small_field(half: u32, spacing_m: f64) -> NestedField {
@@ -17,26 +17,6 @@ fn small_field(half: u32, spacing_m: f64) -> NestedField {
     };
     let (wide, fine) = (grid(2, 0), grid(1, half as usize));
     NestedField::new(vec![FieldLevel::new(spacing_m, half, wide), FieldLevel::new(0.5 * spacing_m, half, fine)])
-}
-
-fn random_view(rng: &mut Rng, reach_m: f64) -> MapView {
-    let mut between = |low: f64, high: f64| low + (high - low) * rng.unit();
-    let ring_m = reach_m * between(0.02, 0.7);
-    let map = DeformedMap {
-        centre: DVec2::new(between(-0.5, 0.5), between(-0.5, 0.5)) * reach_m,
-        ring_m,
-        eye_m: between(1200.0, 12_000.0),
-        alpha: [0.0, 1.0, between(0.0, 1.0)][between(0.0, 3.0) as usize],
-        alpha_fall: [0.0, between(0.0, 3.0)][between(0.0, 2.0) as usize],
-        scale: between(0.3, 2.0),
-        exaggeration: between(0.5, 3.0),
-        curvature: match between(0.0, 3.0) as u32 {
-            0 => None,
-            1 => Some(Curvature { refraction: 0.13, from: DropFrom::Ring }),
-            _ => Some(Curvature { refraction: 0.0, from: DropFrom::Centre }),
-        },
-    };
-    MapView { ring_px: between(100.0, 3000.0), ..MapView::fitted(map, [1300, 1300], reach_m * 0.8, 1500.0, 10.0) }
 }
 
 /// All nodes above the tolerance, and how many; parents are above it with their children.
@@ -81,7 +61,7 @@ fn hold(rtin: &Rtin, trials: usize, seed: u64) {
         .collect();
     let (mut tried, mut tightest, mut partial) = (0, 0f64, 0);
     while tried < trials {
-        let view = random_view(&mut rng, grid.reach_m());
+        let view = random_map_view(&mut rng, grid.reach_m());
         assert_eq!(view.map.check(), Ok(()));
         if view.map.check_ground(samples.iter().copied()).is_err() {
             continue;

@@ -5,6 +5,7 @@ use super::{BaseOptions, DeformedScene, MapErrors, MapImage, draw_base, rank_by_
 use crate::Error;
 use glam::{DVec2, DVec3};
 use image::RgbaImage;
+use std::collections::HashSet;
 use yamanami_core::{MapLine, MapView, NamedPlace, TriangleMesh};
 use yamanami_gpu::{ResidentBuffers, Wireframe};
 use yamanami_io::crs::AzimuthalPlane;
@@ -142,21 +143,25 @@ pub fn make_map(
     options.ink = job.ink;
     options.wireframe = job.wireframe;
     options.antialias = job.antialias;
-    let horizon = HorizonTable::new(field, &view.map, view.rim_m, HORIZON.0, HORIZON.1);
-    if view.map.alpha > 0.0 {
-        options.veil = Some((horizon.clone(), VEIL.0, VEIL.1));
-    }
+    // summits are asked one by one; for lines and veils, which are many points, a table answers
+    let has_veil = view.map.alpha > 0.0;
+    let horizon =
+        (has_veil || !lines.is_empty()).then(|| HorizonTable::new(field, &view.map, view.rim_m, HORIZON.0, HORIZON.1));
+    options.veil = horizon.clone().filter(|_| has_veil).map(|table| (table, VEIL.0, VEIL.1));
     let mesh = built.as_ref().unwrap_or_else(|| scene.canvas().buffers());
     let triangles = mesh.triangle_count();
     let base = draw_base(mesh, view, &options, &|share| progress("drawing", share))?;
     progress("names", 0.0);
     let mut named = places.to_vec();
-    rank_by_prominence(&mut named, field, &summits(field.widest(), LEAST_PROMINENCE_M));
+    if !named.is_empty() {
+        rank_by_prominence(&mut named, field, &summits(field.widest(), LEAST_PROMINENCE_M));
+    }
     let sight = Sightline::new(field, view.map, job.seen_from);
-    let is_seen = |p: DVec3| {
-        // lines are many points: the table answers for them; summits are asked one by one
-        let is_place = named.iter().any(|n| n.position == p.truncate());
-        if is_place { sight.sees(p) } else { horizon.sees(&view.map, p, LINE_SLACK_M) }
+    let key = |p: DVec2| [p.x.to_bits(), p.y.to_bits()];
+    let own: HashSet<[u64; 2]> = named.iter().map(|place| key(place.position)).collect();
+    let is_seen = |p: DVec3| match &horizon {
+        Some(table) if !own.contains(&key(p.truncate())) => table.sees(&view.map, p, LINE_SLACK_M),
+        _ => sight.sees(p),
     };
     let tint: Vec<(f64, [u8; 3])> =
         job.relief.tints.iter().map(|stop| (f64::from(stop.height_m), stop.colour)).collect();

@@ -14,25 +14,25 @@ const STEP_M: f64 = 250.0;
 
 /// What the paper's rule makes of a ground.
 #[derive(Debug)]
-pub(crate) struct Tables {
+pub(super) struct Tables {
     /// Middle of the square, metres east and north of the eye.
-    pub(crate) square: DVec2,
+    pub(super) square: DVec2,
     /// σ in the square, the roughest of the map, as the paper takes a rough one.
-    pub(crate) rough: Vec<SigmaRow>,
+    pub(super) rough: Vec<SigmaRow>,
     /// σ over all of the map.
-    pub(crate) all: Vec<SigmaRow>,
-    pub(crate) printed: BandTable,
+    pub(super) all: Vec<SigmaRow>,
+    pub(super) printed: BandTable,
     /// By the rule, on this ground, counting height alone…
-    pub(crate) measured: BandTable,
+    pub(super) measured: BandTable,
     /// … and with what the projection bends.
-    pub(crate) bent: BandTable,
+    pub(super) bent: BandTable,
     /// Figure 11: distance (m) and expected error (px) under the printed and both measured tables; of height alone, and in
     /// the last with the bend.
-    pub(crate) expected: [Vec<[f64; 2]>; 3],
+    pub(super) expected: [Vec<[f64; 2]>; 3],
 }
 
 impl Tables {
-    pub(crate) fn measure(grid: &FieldLevel, view: &MapView) -> Self {
+    pub(super) fn measure(grid: &FieldLevel, view: &MapView) -> Self {
         let (square, rough) = roughest(grid, view.rim_m);
         let shown =
             |rows: Vec<SigmaRow>| rows.into_iter().filter(|row| row.hypotenuse_m <= LONGEST_M).collect::<Vec<_>>();

@@ -5,14 +5,24 @@
 //! are kept, so that summits stay round; beside level ground they vanish, so that a lake or the sea stays level up to its
 //! shore.
 
+use super::spline;
+
 /// A window of samples.
 pub(super) struct Samples {
     pub(super) heights_m: Vec<f32>,
     pub(super) width: usize,
     pub(super) height: usize,
+    /// Coefficients of the spline through the samples, where they are far apart.
+    pub(super) spline: Option<Vec<f32>>,
 }
 
 impl Samples {
+    /// Lays a spline through the samples: where they are much further apart than what is asked of them, slopes must not
+    /// show the grid either.
+    pub(super) fn smooth(&mut self) {
+        self.spline = Some(spline::coefficients(&self.heights_m, self.width, self.height));
+    }
+
     /// Height at a fractional column and row; NaN off the window and where most of the surroundings have no data.
     /// Bicubic where all sixteen samples around are known, else bilinear of the known ones of the four.
     #[inline]
@@ -34,7 +44,10 @@ impl Samples {
             let column = |k: usize| (i + k).saturating_sub(1).min(self.width - 1);
             std::array::from_fn(|y| std::array::from_fn(|x| self.heights_m[row(y) + column(x)]))
         };
-        bicubic(&around, u, v)
+        match &self.spline {
+            Some(spline) => spline::height(spline, [self.width, self.height], [i, j], [u, v], &around),
+            None => bicubic(&around, u, v),
+        }
     }
 }
 
@@ -64,7 +77,7 @@ fn cubic(p: [f32; 4], t: f32) -> f32 {
 
 /// Bilinear of the samples that are known, if they weigh at least half.
 #[cold]
-fn bilinear_of_known(z: [f32; 4], u: f32, v: f32) -> f32 {
+pub(super) fn bilinear_of_known(z: [f32; 4], u: f32, v: f32) -> f32 {
     let weights = [(1.0 - u) * (1.0 - v), u * (1.0 - v), (1.0 - u) * v, u * v];
     let known = || z.into_iter().zip(weights).filter(|(z, _)| !z.is_nan());
     let weight: f32 = known().map(|(_, w)| w).sum();
@@ -78,7 +91,7 @@ mod tests {
 
     fn samples(width: usize, height: usize, z: impl Fn(usize, usize) -> f32) -> Samples {
         let heights_m = (0..width * height).map(|k| z(k % width, k / width)).collect();
-        Samples { heights_m, width, height }
+        Samples { heights_m, width, height, spline: None }
     }
 
     #[test]
@@ -113,7 +126,7 @@ mod tests {
         #[test]
         fn samples_are_met_and_the_sea_is_not_undercut(z in proptest::collection::vec(0f32..4000.0, 36),
                                                         x in 0.0..5.0, y in 0.0..5.0) {
-            let grid = Samples { heights_m: z, width: 6, height: 6 };
+            let grid = Samples { heights_m: z, width: 6, height: 6, spline: None };
             prop_assert!((0.0..=8000.0).contains(&grid.at(x, y)));
             let (i, j) = (x as usize, y as usize);
             prop_assert!((grid.at(i as f64, j as f64) - grid.heights_m[j * 6 + i]).abs() < 1e-2);

@@ -11,7 +11,9 @@ use yamanami_io::crs::{AzimuthalPlane, GridWarp};
 /// Samples of a source in memory at once.
 const MOST_WINDOW_SAMPLES: usize = if cfg!(test) { 1 << 13 } else { 1 << 24 };
 /// Samples around a place that its height needs, and a little for what lies between the rows looked at.
-const MARGIN: f64 = 4.0;
+const MARGIN: f64 = 8.0;
+/// A spline is laid through samples that stand further apart than so many of the grid's.
+const SMOOTH_SPACINGS: f64 = 1.5;
 /// How exactly places are met, metres.
 const PLACE_TOLERANCE_M: f64 = 1e-3;
 /// So far from the outermost sample its cell reaches, in samples.
@@ -91,7 +93,10 @@ fn lay(
             blocks.extend(halved(block));
             continue;
         }
-        let samples = source.read(level, window)?;
+        let mut samples = source.read(level, window)?;
+        if source.spacing_m() > SMOOTH_SPACINGS * grid.spacing_m {
+            samples.smooth();
+        }
         let layer = layer.get_or_insert_with(|| {
             let count = grid.width() * grid.width();
             Layer { heights_m: vec![f32::NAN; count], inside: vec![false; count] }

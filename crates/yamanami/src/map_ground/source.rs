@@ -150,7 +150,7 @@ impl Source {
             }
             Reader::Database(store) => read_pages(store, level, window)?,
         };
-        Ok(Samples { heights_m, width, height })
+        Ok(Samples { heights_m, width, height, spline: None })
     }
 }
 

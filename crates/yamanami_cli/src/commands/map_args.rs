@@ -236,10 +236,10 @@ impl OverlayArgs {
 }
 
 /// Places, lines, and what was skipped of them, one line each.
-type ReadOverlay = (Vec<NamedPlace>, Vec<MapLine>, Vec<String>);
+pub(crate) type Overlays = (Vec<NamedPlace>, Vec<MapLine>, Vec<String>);
 
-/// Places and lines of all files, laid into the plane, and what was skipped, one line each.
-pub(crate) fn map_places_and_lines(overlay: &OverlayArgs, plane: &AzimuthalPlane) -> Result<ReadOverlay, Failure> {
+/// Places and lines of all files, laid into the plane.
+pub(crate) fn map_places_and_lines(overlay: &OverlayArgs, plane: &AzimuthalPlane) -> Result<Overlays, Failure> {
     let (mut places, mut lines, notes) = places_and_lines(overlay)?;
     lay_places(&mut places, plane);
     lay_lines(&mut lines, plane);
@@ -247,16 +247,25 @@ pub(crate) fn map_places_and_lines(overlay: &OverlayArgs, plane: &AzimuthalPlane
 }
 
 /// The same in longitude and latitude.
-pub(crate) fn places_and_lines(overlay: &OverlayArgs) -> Result<ReadOverlay, Failure> {
+pub(crate) fn places_and_lines(overlay: &OverlayArgs) -> Result<Overlays, Failure> {
+    read_overlays(&overlay.places, &overlay.lines, &overlay.track)
+}
+
+/// Reads files of places, lines and walks, in longitude and latitude.
+pub(crate) fn read_overlays(
+    place_files: &[PathBuf],
+    line_files: &[PathBuf],
+    tracks: &[PathBuf],
+) -> Result<Overlays, Failure> {
     let (mut places, mut lines, mut notes) = (Vec::new(), Vec::new(), Vec::new());
-    for file in &overlay.places {
+    for file in place_files {
         let read = read_places(file, &PlaceReadOptions::default())?;
         places.extend(read.places);
         notes.extend(read.notes.iter().map(|note| format!("{}: {note}", file.display())));
     }
     let of_kind = |kind| LineReadOptions { kind, ..LineReadOptions::default() };
-    let tracks = overlay.track.iter().map(|file| (file, of_kind(Some(LineKind::Track))));
-    for (file, options) in overlay.lines.iter().map(|file| (file, of_kind(None))).chain(tracks) {
+    let tracks = tracks.iter().map(|file| (file, of_kind(Some(LineKind::Track))));
+    for (file, options) in line_files.iter().map(|file| (file, of_kind(None))).chain(tracks) {
         let read = read_lines(file, &options)?;
         lines.extend(read.lines);
         notes.extend(read.notes.iter().map(|note| format!("{}: {note}", file.display())));

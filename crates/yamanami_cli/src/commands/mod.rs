@@ -34,6 +34,7 @@ mod remesh;
 mod render;
 mod render_model;
 mod reproduce;
+mod reproduce_hori;
 mod tin;
 mod view;
 mod view_map;

@@ -1,7 +1,8 @@
 //! `reproduce`: a paper's figures on real data.
 
 use crate::args::{ReadingArgs, UpArgs};
-use crate::commands::{coast, demo, remesh, wavelet};
+use crate::commands::reproduce_hori::HoriArgs;
+use crate::commands::{coast, demo, remesh, reproduce_hori, wavelet};
 use crate::failure::Failure;
 use crate::progress::Bar;
 use crate::{inputs, out, text, values};
@@ -21,19 +22,25 @@ Examples:
   yamanami reproduce mizuno -o mizuno --faces 10000000 --scan statue.ply
   yamanami reproduce date -o date --scan statue.ply --scan bust.ply
   yamanami reproduce hiraoka -o hiraoka
+  yamanami reproduce hori -o hori
+  yamanami reproduce hori alps.tif japan.yama --at 36.29,137.65 -o hori
 
 hashida: Hashida, Kanai, Kishinami: wavelets and a triangle quadtree for large terrain; figures 7(a), 7(b) and 8.
 mizuno: Mizuno, Okumoto, Takata, Joe: polygon reduction for displays; tables 1 and 2, on a made pagoda.
 date: Date, Kanai, Kishinami: k-disk wavelets of polygon models; figures 6, 7, 10 and times, on two made balls, terrain
 and scans.
-hiraoka: Hiraoka, Yamada, Urahama: TINs in blocks and levels; errors, times and losses on a made coast.")]
+hiraoka: Hiraoka, Yamada, Urahama: TINs in blocks and levels; errors, times and losses on a made coast.
+hori: Hori, Okajima, Miyamura, Furuya, Saito: deformed maps; table 1, figures 9 and 11 to 14 and times, on bundled data
+of central Japan and on made ground.")]
 pub(crate) struct ReproduceArgs {
     /// The paper
     #[arg(value_enum)]
     paper: Paper,
     /// Folder for the results
     #[arg(short, long, value_name = "DIR")]
-    output: PathBuf,
+    pub(super) output: PathBuf,
+    #[command(flatten)]
+    pub(super) hori: HoriArgs,
     /// hashida, date: a DEM of about 257 x 257 samples of 50 m; else the bundled Mount Washington
     #[arg(long, value_name = "FILE")]
     dem: Option<PathBuf>,
@@ -52,11 +59,11 @@ pub(crate) struct ReproduceArgs {
     #[command(flatten)]
     up: UpArgs,
     #[command(flatten)]
-    reading: ReadingArgs,
+    pub(super) reading: ReadingArgs,
 }
 
 /// Papers.
-#[derive(Debug, Clone, Copy, ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Paper {
     /// Level of detail of large terrain by wavelets and a quadtree
     Hashida,
@@ -66,6 +73,8 @@ enum Paper {
     Date,
     /// TINs in blocks and levels
     Hiraoka,
+    /// Deformed maps by bands of distance
+    Hori,
 }
 
 /// Enough for a hundred polygons a pixel on a small display, and done in a few minutes.
@@ -75,12 +84,16 @@ const USUAL_PAGODA_FACES: usize = 3_000_000;
 const PAGODA_FOV_RAD: f64 = std::f64::consts::FRAC_PI_6;
 
 pub(crate) fn run(args: &ReproduceArgs) -> Result<(), Failure> {
+    if args.paper != Paper::Hori && !args.hori.sources.is_empty() {
+        return Err(Failure::misuse("only hori takes sources; see --dem, --large and --scan".to_owned()));
+    }
     inputs::make_folder(&args.output)?;
     match args.paper {
         Paper::Hashida => hashida(args),
         Paper::Mizuno => mizuno(args),
         Paper::Date => date(args),
         Paper::Hiraoka => hiraoka(args),
+        Paper::Hori => reproduce_hori::run(args),
     }
 }
 

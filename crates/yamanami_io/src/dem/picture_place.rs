@@ -22,6 +22,8 @@ pub fn picture_place(path: &Path, size: [usize; 2], given: Option<&Crs>) -> Resu
             return Ok(Some(tags.place(path, size, given)?.geo));
         }
     }
-    let Some([zoom, column, row]) = tile_from_path(path).filter(|[zoom, ..]| *zoom <= 30) else { return Ok(None) };
+    // numbers that name no tile are a date or a count
+    let is_tile = |[zoom, column, row]: &[u32; 3]| *zoom <= 30 && (*column).max(*row) < 1 << zoom;
+    let Some([zoom, column, row]) = tile_from_path(path).filter(is_tile) else { return Ok(None) };
     Ok(Some(tile::georeference(size, [zoom, column, row], given)))
 }

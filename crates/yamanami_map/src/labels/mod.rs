@@ -71,7 +71,7 @@ pub struct Label {
     pub distance_m: f64,
     /// Bearing from the centre, radians clockwise from north.
     pub bearing_rad: f64,
-    /// Where the summit is drawn, pixels; not finite without coordinates.
+    /// Where the ground at the place is drawn, pixels; not finite without coordinates.
     pub anchor_px: DVec2,
     /// The box of the name, pixels, where it is shown.
     pub box_px: Option<OrientedBox>,
@@ -170,7 +170,9 @@ fn looked_at(sheet: &Sheet<'_>, place: &NamedPlace, height_m: &dyn Fn(DVec2) -> 
     let z = if place.position.is_finite() { given.unwrap_or_else(|| height_m(place.position)) } else { f64::NAN };
     let at = place.position.extend(if z.is_finite() { z } else { 0.0 });
     let out = place.position - view.map.centre;
-    let anchor_px = view.px_from_plane(at);
+    // on the ground that is drawn: a grid's summit is lower than the surveyed one, and its mark must not float
+    let ground = if place.position.is_finite() { height_m(place.position) } else { f64::NAN };
+    let anchor_px = view.px_from_plane(if ground.is_finite() { at.with_z(ground) } else { at });
     let [width, height] = view.size_px.map(f64::from);
     let is_in = anchor_px.x >= 0.0 && anchor_px.y >= 0.0 && anchor_px.x < width && anchor_px.y < height;
     let outcome = if !(at.is_finite() && anchor_px.is_finite()) {

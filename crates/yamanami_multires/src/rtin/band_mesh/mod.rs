@@ -16,8 +16,9 @@ mod emit;
 mod peaks;
 mod ridges;
 
-pub use peaks::{PAPER_PEAK_M, PeakRule, Summit, SummitError};
+pub use peaks::{PAPER_PEAK_M, PeakRule, SummitError};
 
+use super::Summit;
 use crate::MultiresError;
 use blocks::Blocks;
 use glam::DVec2;
@@ -106,11 +107,14 @@ impl BandMesh {
     /// How each summit is drawn: by the kept vertex nearest to it. `None` where nothing is drawn.
     pub fn summit_errors(&self, grid: &FieldLevel, summits: &[Summit]) -> Vec<Option<SummitError>> {
         let one = |summit: &Summit| {
-            let triangle = self.mesh.triangles[self.triangle_over(summit.column as usize, summit.row as usize)?];
-            let vertex = peaks::nearest(triangle, &self.samples, [summit.column, summit.row].map(i64::from)).1;
+            let triangle = self.mesh.triangles[self.triangle_over(summit.column, summit.row)?];
+            let vertex = peaks::nearest(triangle, &self.samples, [summit.column, summit.row].map(|at| at as i64)).1;
             let drawn = self.mesh.positions[vertex as usize];
-            let top = grid.plane_from_grid(summit.column as usize, summit.row as usize);
-            Some(SummitError { height_error_m: drawn.z - summit.height_m, shift_m: drawn.truncate().distance(top) })
+            let top = grid.plane_from_grid(summit.column, summit.row);
+            Some(SummitError {
+                height_error_m: drawn.z - f64::from(summit.height_m),
+                shift_m: drawn.truncate().distance(top),
+            })
         };
         summits.iter().map(one).collect()
     }

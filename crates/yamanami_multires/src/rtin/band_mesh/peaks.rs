@@ -5,6 +5,7 @@
 //! in the mean. [`PeakRule::Summits`] moves only what is a summit or on the ridge between two.
 
 use super::ridges::ridge_samples;
+use crate::rtin::Summit;
 use std::cmp::Ordering;
 use yamanami_core::FieldLevel;
 
@@ -30,21 +31,6 @@ pub enum PeakRule {
         /// Least prominence, metres.
         min_prominence_m: f64,
     },
-}
-
-/// A true summit of the grid.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Summit {
-    /// Its column.
-    pub column: u32,
-    /// Its row.
-    pub row: u32,
-    /// Height, metres.
-    pub height_m: f64,
-    /// Height over the highest saddle to higher ground, metres.
-    pub prominence_m: f64,
-    /// Column and row of that saddle, if known: ridges rise from there.
-    pub saddle: Option<[u32; 2]>,
 }
 
 /// How far a drawn summit is from the true one.
@@ -92,11 +78,11 @@ pub(super) fn heights(
 }
 
 /// Raises the owners of samples to their heights.
-fn raise(grid: &FieldLevel, owners: &[u32], tops: impl IntoIterator<Item = [u32; 2]>, heights: &mut [f64]) {
+fn raise(grid: &FieldLevel, owners: &[u32], tops: impl IntoIterator<Item = [usize; 2]>, heights: &mut [f64]) {
     let width = grid.width();
     for [column, row] in tops {
-        let k = row as usize * width + column as usize;
-        let owner = if (column as usize) < width { owners.get(k) } else { None };
+        let k = row * width + column;
+        let owner = if column < width { owners.get(k) } else { None };
         if let Some(z) = owner.and_then(|&vertex| heights.get_mut(vertex as usize)) {
             *z = z.max(f64::from(grid.heights_m()[k]));
         }

@@ -1,13 +1,13 @@
 //! The samples of the ridges between summits: from each summit's saddle steeply upwards on all sides.
 
-use super::peaks::Summit;
+use crate::rtin::Summit;
 use yamanami_core::FieldLevel;
 
 /// The eight neighbours, round about.
 const AROUND: [[i64; 2]; 8] = [[1, 0], [1, 1], [0, 1], [-1, 1], [-1, 0], [-1, -1], [0, -1], [1, -1]];
 
 /// Columns and rows of all samples on the ways of steepest ascent from the saddles, the saddles among them.
-pub(super) fn ridge_samples(grid: &FieldLevel, summits: &[Summit]) -> Vec<[u32; 2]> {
+pub(super) fn ridge_samples(grid: &FieldLevel, summits: &[Summit]) -> Vec<[usize; 2]> {
     let mut ridge = Vec::new();
     let width = grid.width() as i64;
     let height = |[column, row]: [i64; 2]| {
@@ -20,11 +20,11 @@ pub(super) fn ridge_samples(grid: &FieldLevel, summits: &[Summit]) -> Vec<[u32; 
         Some((height(to)? - height(from)?) / step).filter(|&slope| slope > 0.0).map(|slope| (slope, to))
     };
     for saddle in summits.iter().filter_map(|s| s.saddle) {
-        let saddle = saddle.map(i64::from);
+        let saddle = saddle.map(|at| at as i64);
         if height(saddle).is_none() {
             continue;
         }
-        ridge.push(saddle.map(|at| at as u32));
+        ridge.push(saddle.map(|at| at as usize));
         // each run of higher neighbours is one side; its steepest begins a way
         let slopes = AROUND.map(|by| rise(saddle, by).map_or(0.0, |(slope, _)| slope));
         for (k, by) in AROUND.into_iter().enumerate() {
@@ -34,7 +34,7 @@ pub(super) fn ridge_samples(grid: &FieldLevel, summits: &[Summit]) -> Vec<[u32; 
             }
             let mut at = [saddle[0] + by[0], saddle[1] + by[1]];
             loop {
-                ridge.push(at.map(|at| at as u32));
+                ridge.push(at.map(|at| at as usize));
                 let steepest = AROUND.into_iter().filter_map(|by| rise(at, by)).max_by(|a, b| a.0.total_cmp(&b.0));
                 let Some((_, next)) = steepest else { break };
                 at = next;

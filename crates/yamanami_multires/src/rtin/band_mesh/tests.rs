@@ -131,10 +131,10 @@ fn summits_alone_move_and_carry_their_ridge() {
         cone(49.0).max(cone(73.0)).max(if between { ridge } else { 0.0 }).max(0.0) as f32
     };
     let grid = FieldLevel::new(200.0, 64, (0..width * width).map(|k| height(k % width, k / width)).collect());
-    let summit = |column: u32| Summit {
+    let summit = |column: usize| Summit {
         column,
         row: 55,
-        height_m: f64::from(height(column as usize, 55)),
+        height_m: height(column, 55),
         prominence_m: 160.0,
         saddle: Some([61, 55]),
     };
