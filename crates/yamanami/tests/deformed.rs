@@ -81,7 +81,13 @@ fn what_is_picked_is_what_the_pixel_shows() {
             found += 1;
         }
         assert!(found > 60, "{found} of 150 show ground");
-        for off in [DVec2::new(-1.0, 5.0), DVec2::new(500.0, 5.0), DVec2::new(5.0, 400.0), DVec2::NAN, DVec2::INFINITY] {
+        for off in [
+            DVec2::new(-1.0, 5.0),
+            DVec2::new(500.0, 5.0),
+            DVec2::new(5.0, 400.0),
+            DVec2::NAN,
+            DVec2::INFINITY,
+        ] {
             assert_eq!(scene.pick(&view, off).unwrap(), None, "{off}");
         }
     }

@@ -89,7 +89,14 @@ fn a_tile_lies_by_its_name_and_other_numbers_name_none() {
     let found = place("3/5/2.png").unwrap();
     close(&found, [tile_m * (1.0 + 0.5 / 256.0), tile_m * (2.0 - 0.5 / 256.0)], [tile_m / 256.0, -tile_m / 256.0]);
     assert_eq!(place("a_z3_x5_y2.png").unwrap(), found);
-    for none in ["holiday.png", "2024/11/3.png", "4/16/2.png", "3-2-8.png", "31_1_1.png", "4294967295_0_0.png"] {
+    for none in [
+        "holiday.png",
+        "2024/11/3.png",
+        "4/16/2.png",
+        "3-2-8.png",
+        "31_1_1.png",
+        "4294967295_0_0.png",
+    ] {
         assert_eq!(place(none), None, "{none}");
     }
     assert!(picture_place(&folder.path().join("absent.png"), SIZE, None).is_err());

@@ -108,9 +108,8 @@ proptest! {
 
 /// The smallest fields, with and without data.
 fn odd_fields() -> Vec<NestedField> {
-    let level = |spacing_m: f64, half: u32, z: f32| {
-        FieldLevel::new(spacing_m, half, vec![z; (2 * half as usize + 1).pow(2)])
-    };
+    let level =
+        |spacing_m: f64, half: u32, z: f32| FieldLevel::new(spacing_m, half, vec![z; (2 * half as usize + 1).pow(2)]);
     let mut one_known = vec![f32::NAN; 25];
     one_known[12] = 3000.0;
     vec![
