@@ -111,7 +111,7 @@ impl HorizonTable {
             let towards = DVec2::new(sin, cos);
             let (mut greatest, mut at_m) = (0f64, map.ring_m);
             for (column, out) in out.iter_mut().enumerate() {
-                while at_m <= column as f64 * step_m {
+                while at_m <= (column as f64 * step_m).min(rim_m) {
                     let place = map.centre + at_m * towards;
                     let level = field.level_at(place);
                     greatest = greatest.max(map.half_tangent(at_m, level.height_m(place)));

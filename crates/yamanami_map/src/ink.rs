@@ -41,7 +41,7 @@ pub fn ink(
 ) {
     let width = rows.width() as usize;
     let steps = style.width_px.ceil().max(1.0) as u32;
-    rows.as_flat_samples_mut().samples.par_chunks_mut(4 * width).enumerate().for_each(|(row, line)| {
+    rows.as_flat_samples_mut().samples.par_chunks_mut(4 * width.max(1)).enumerate().for_each(|(row, line)| {
         let y = i64::from(first_row) + row as i64;
         for (x, pixel) in line.chunks_exact_mut(4).enumerate() {
             let here = distance_m(x as i64, y);

@@ -110,7 +110,7 @@ impl ReliefStyle {
 pub struct GroundPicture {
     /// Metres from the centre to the middle of the outermost pixels.
     pub reach_m: f64,
-    /// `2·half + 1` pixels a side; transparent where there is no data.
+    /// `2·half + 1` pixels a side; transparent where there are neither data nor water.
     pub rgba: RgbaImage,
 }
 
