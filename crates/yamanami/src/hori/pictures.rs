@@ -89,7 +89,7 @@ fn thirteen(study: &mut Study, job: &mut HoriJob, modes: &[HoriMode], out: &Path
              outlines of the ranges.";
     show(&paper, &options, "b", b.to_owned())?;
     let d = "(d) The mesh of (b): coarse in the middle, where height does not show, finest from 3.2 to 35 km, and the same all \
-             around, over mountains and plains.";
+             around, over mountains and plains. Lines fade where triangles are smaller than a few pixels.";
     show(&paper, &meshed, "d", d.to_owned())?;
     drop(paper);
     let budget = modes.iter().find(|mode| mode.file == EQUAL_COUNT).map(|mode| mode.triangles as u32);

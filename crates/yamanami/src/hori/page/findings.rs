@@ -14,7 +14,7 @@ pub(super) fn write(found: &HoriFound, peaks: &[PeakRow], page: &mut Page) {
          with which the engine has their RMS error.",
     );
     let head = ["ground", "greatest error", "share over 3.5 px", "triangles at equal RMS", "promises kept"];
-    page.table(texts(head), found.grounds.iter().map(against).collect());
+    page.table(texts(head), found.grounds.iter().enumerate().map(against).collect());
     if let [none, paper, ours, ..] = peaks {
         page.text(format!(
             "Peaks. On a mesh of 6,400 m the paper's rule lifts the ground by {:.0} m in the mean (own heights: {:.0} m; summits \
@@ -55,9 +55,10 @@ pub(super) fn write(found: &HoriFound, peaks: &[PeakRow], page: &mut Page) {
     );
 }
 
-fn against(ground: &HoriGroundFound) -> Vec<String> {
+/// A ground's row.
+fn against((nth, ground): (usize, &HoriGroundFound)) -> Vec<String> {
     let mode = |file: &str| ground.modes.iter().find(|mode| mode.file == file);
-    let mut cells = vec![ground.title.clone()];
+    let mut cells = vec![if nth == 0 { "this map".to_owned() } else { ground.title.clone() }];
     let part = |ours: f64, theirs: f64| if theirs > 0.0 { format!("{:.2}", ours / theirs) } else { "–".to_owned() };
     let none = mode("printed_none");
     match (mode(EQUAL_COUNT), none) {

@@ -115,19 +115,25 @@ pub(super) fn by_distance(found: &HoriGroundFound, out: &Path, page: &mut Page) 
             ),
         );
     }
-    let bins = |value: fn(&DistanceBin) -> f64| -> Vec<Series> {
-        let series = |mode: &HoriMode| Series {
-            name: mode.name.to_owned(),
-            points: of_bins(mode, value),
-            style: Style::LineAndPoints,
+    // the bands, then the engine beside the first of them: more lines than colours would be in one chart
+    let (bands, engine): (Vec<&HoriMode>, Vec<&HoriMode>) = found.modes.iter().partition(|m| m.bound_px.is_none());
+    let beside = bands.iter().take(2).copied().chain(engine).collect();
+    for (modes, file, who) in [(bands, "bands", "bands"), (beside, "engine", "table 1 and the engine")] {
+        let bins = |value: fn(&DistanceBin) -> f64| -> Vec<Series> {
+            let series = |mode: &&HoriMode| Series {
+                name: mode.name.to_owned(),
+                points: of_bins(mode, value),
+                style: Style::LineAndPoints,
+            };
+            modes.iter().map(series).collect()
         };
-        found.modes.iter().map(series).collect()
-    };
-    let share = bins(|bin| 100.0 * bin.large as f64 / bin.samples.max(1) as f64);
-    chart(&out.join("fig14_share.png"), "Samples of 3.5 px and more", "share of samples (%)", share, None)?;
-    chart(&out.join("fig14_rms.png"), "RMS error by distance", "RMS error (px)", bins(|bin| bin.rms_px), None)?;
-    page.picture("fig14_share.png", "Share of samples with errors of 3.5 px and more, in bins of 5 km, for all ways");
-    page.picture("fig14_rms.png", "RMS error in bins of 5 km, for all ways");
+        let share = bins(|bin| 100.0 * bin.large as f64 / bin.samples.max(1) as f64);
+        let (share_file, rms_file) = (format!("fig14_share_{file}.png"), format!("fig14_rms_{file}.png"));
+        chart(&out.join(&share_file), "Samples of 3.5 px and more", "share of samples (%)", share, None)?;
+        chart(&out.join(&rms_file), "RMS error by distance", "RMS error (px)", bins(|bin| bin.rms_px), None)?;
+        page.picture(share_file, format!("Share of samples with errors of 3.5 px and more, in bins of 5 km: {who}"));
+        page.picture(rms_file, format!("RMS error in bins of 5 km: {who}"));
+    }
     let rows = found.modes.iter().flat_map(|mode| {
         mode.report.bins.iter().map(|bin| {
             let mut cells = vec![format!("\"{}\"", mode.name)];
