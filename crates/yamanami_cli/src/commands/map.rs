@@ -42,8 +42,8 @@ Examples:
                                                              more map beyond the ring, rivers
 
 Within the ring it is a plain map: distances and bearings are true. Beyond it the ground tips up, as if
-seen from above the ring. Needs Hori et al.'s projection no settings, but the eye must stand above all
-ground near the ring.")]
+seen from above the ring (the projection of Hori et al.). The eye must stand above all ground near the
+ring; a lower eye or more exaggeration makes the far mountains rise higher.")]
 pub(crate) struct MapArgs {
     /// A .yama database, elevation files and tile folders: finer ones lie over coarser ones
     #[arg(required = true, value_name = "SOURCE")]

@@ -66,6 +66,8 @@ Start with:
   yamanami build dem.tif -o dem.yama         a database with every level of detail in it
   yamanami fly dem.yama --budget 100000 -o flight
                                              a flight with never more than 100,000 triangles
+  yamanami map dem.tif --at 35.66,138.57 -o map.png
+                                             a map near, mountains far, in one picture
 
 TINs: LandXML, DXF, CityGML relief, 2DM, quantized-mesh; points with breaklines (yamanami tin --help).
 Elevation files: GeoTIFF and COG, SRTM .hgt, DTED, ESRI ASCII, GSI FG-GML, elevation tiles. Several

@@ -132,7 +132,7 @@ fn features_in(source: Source<'_>) -> Result<Vec<Features>, IoError> {
         () if is(&["gpx"]) => gpx::read,
         () => {
             let hint = "give .csv, .geojson, .gpkg, .shp or .gpx";
-            return Err(IoError::unsupported(label, "a file of places or lines with this ending", hint));
+            return Err(IoError::unsupported(label, "by its ending no file of places or lines", hint));
         }
     };
     let bytes = source.into_text()?.into_bytes(MOST_BYTES)?;
