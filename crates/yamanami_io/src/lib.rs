@@ -1,6 +1,6 @@
 //! File formats in and out, and the surface database.
 //!
-//! [`dem`] reads elevation grids, [`mesh_file`] reads and writes meshes, [`tin_file`] TINs, [`points`] reads survey points and breaklines, [`geodata`] named places and lines for maps, [`store`] is the surface database,
+//! [`dem`] reads elevation grids, [`mesh_file`] reads and writes meshes, [`tin_file`] TINs, [`points`] reads survey points and breaklines, [`geodata`] named places and lines for maps, [`store`] is the surface database, [`pack`] the same as one file read by ranges,
 //! [`progressive`] the file of a semi-regular model of which any prefix is one; [`crs`] knows coordinate reference systems by EPSG code.
 
 pub mod crs;
@@ -8,6 +8,7 @@ pub mod dem;
 mod error;
 pub mod geodata;
 pub mod mesh_file;
+pub mod pack;
 pub mod points;
 pub mod progressive;
 pub mod scratch;

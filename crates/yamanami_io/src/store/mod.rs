@@ -14,6 +14,7 @@ mod cluster;
 mod database;
 mod error_steps;
 mod errors;
+mod facts;
 mod family;
 mod heights;
 mod meta;
@@ -21,8 +22,10 @@ mod model;
 mod page;
 mod quantum;
 mod rans;
+mod raw;
 mod reader;
 mod residuals;
+mod rows;
 mod schema;
 mod shown;
 mod writer;
@@ -33,10 +36,14 @@ pub use cluster::{
     ClusterCodec, ClusterMeta, ClusterStore, ClusterWriter, PageShape, Rounding, TinAnnex, TinMeta, put_in_order,
 };
 pub(crate) use database::write_error;
+pub use facts::Facts;
 pub use meta::TerrainMeta;
 pub use page::{EncodedPage, PageCodec};
 pub use quantum::{Quantum, QuantumFinder};
+pub(crate) use raw::{RawRow, RawStore};
 pub use reader::TerrainStore;
+pub use rows::{ANNEX_ROW, BASE_ROW, BLOCK_NODES, row_crc32, row_id, row_of};
+pub(crate) use schema::Content;
 pub use writer::TerrainWriter;
 
 /// Whether the loops may be run as compiled for processors of about 2013 and later: same results, sooner.

@@ -3,12 +3,12 @@
 use super::annex::TinAnnex;
 use super::codec::{ClusterCodec, PageShape};
 use super::meta::ClusterMeta;
-use super::nodes::{BLOCK_NODES, BaseShape, unpack, unpack_base};
-use super::writer::{ANNEX_ROW, BASE_ROW, row_of};
+use super::nodes::{BaseShape, unpack, unpack_base};
 use crate::IoError;
 use crate::store::database::{WholeFile, content_of};
-use crate::store::schema::{CLUSTER_TABLES, Content, read_meta, row_crc32};
-use rusqlite::{OptionalExtension, params};
+use crate::store::raw::node_block;
+use crate::store::rows::{ANNEX_ROW, BASE_ROW, BLOCK_NODES, row_of};
+use crate::store::schema::{CLUSTER_TABLES, Content, read_meta};
 use std::path::Path;
 use yamanami_core::{BASE_CLUSTERS, ClusterNode, ClusterPage, GroupId};
 
@@ -52,14 +52,7 @@ impl ClusterStore {
             let place = if row == BASE_ROW { "base mesh".to_owned() } else { format!("nodes from {row} on") };
             IoError::malformed(path, place, "whole nodes", "damaged ones")
         };
-        let block = |row: i64| -> Result<Vec<u8>, IoError> {
-            let sql = "SELECT crc32, data FROM node_block WHERE id = ?1";
-            let found: Option<(i64, Vec<u8>)> = file.with("table `node_block`", |db| {
-                db.prepare_cached(sql)?.query_row(params![row], |row| Ok((row.get(0)?, row.get(1)?))).optional()
-            })?;
-            let sound = found.filter(|(crc32, bytes)| i64::from(row_crc32(row, bytes)) == *crc32);
-            sound.map(|(_, bytes)| bytes).ok_or_else(|| damaged(row))
-        };
+        let block = |row: i64| -> Result<Vec<u8>, IoError> { node_block(&file, row)?.ok_or_else(|| damaged(row)) };
         let base = unpack_base(&block(BASE_ROW)?).ok_or_else(|| damaged(BASE_ROW))?;
         let mut nodes = Vec::new();
         let mut next_vertex = base.vertices;
