@@ -79,6 +79,9 @@ pub struct PackEntry {
     pub crc32: u32,
 }
 
+/// Name, level and number of entries of a section.
+type SectionKey = (&'static str, Option<u32>, u64);
+
 impl PackEntry {
     /// Whether these are the bytes of the row.
     pub fn is_whole(&self, row: i64, bytes: &[u8]) -> bool {
@@ -226,7 +229,7 @@ impl PackHead {
         let mut next = None;
         for section in &self.sections {
             let label = section.label();
-            let index_bytes = section.entries.checked_mul(ENTRY_BYTES as u64).unwrap_or(u64::MAX);
+            let index_bytes = section.entries.saturating_mul(ENTRY_BYTES as u64);
             let follows = match next {
                 None => section.index_at >= head_end as u64 && section.index_at.is_multiple_of(ALIGNMENT as u64),
                 Some(at) => section.index_at == at,
@@ -249,8 +252,8 @@ impl PackHead {
         }
     }
 
-    /// Name, level and number of entries of the sections that a surface has.
-    fn expected_sections(&self) -> Result<Vec<(&'static str, Option<u32>, u64)>, String> {
+    /// The sections that a surface has.
+    fn expected_sections(&self) -> Result<Vec<SectionKey>, String> {
         if self.kind == PackKind::Terrain {
             let [columns, rows] = self.terrain()?.size;
             let lattice = Lattice::new(columns as usize, rows as usize);
