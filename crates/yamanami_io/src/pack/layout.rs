@@ -6,7 +6,7 @@
 //! that of cloud optimised GeoTIFF and of Protomaps' PMTiles.
 
 use crate::IoError;
-use crate::store::{ANNEX_ROW, BASE_ROW, BLOCK_NODES, ClusterMeta, Facts, TerrainMeta, row_crc32, row_id};
+use crate::store::{ANNEX_ROW, BASE_ROW, BLOCK_NODES, ClusterMeta, TerrainMeta, row_crc32, row_id};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use yamanami_core::{Lattice, PAGE_CELLS, PageId};
@@ -42,7 +42,7 @@ pub struct PackHead {
     /// A name for people.
     pub title: String,
     /// The table `meta` of the database.
-    pub meta: Facts,
+    pub meta: serde_json::Map<String, serde_json::Value>,
     /// Of a terrain, by level: radius in metres of spheres around a level's nodes that hold all their descendants.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub bound_radius_m: Vec<f64>,
@@ -88,6 +88,7 @@ impl PackEntry {
         bytes.len() == self.length as usize && row_crc32(row, bytes) == self.crc32
     }
 
+    #[cfg(any(test, feature = "files"))]
     pub(super) fn to_bytes(self) -> [u8; ENTRY_BYTES] {
         let mut bytes = [0; ENTRY_BYTES];
         bytes[..8].copy_from_slice(&self.offset.to_le_bytes());
@@ -201,6 +202,7 @@ impl PackHead {
     }
 
     /// The head's bytes with what comes before and after it, up to `sections_at`.
+    #[cfg(any(test, feature = "files"))]
     pub(super) fn to_bytes(&self, sections_at: usize) -> Option<Vec<u8>> {
         let json = serde_json::to_vec(self).ok().filter(|json| json.len() <= MOST_HEAD_BYTES)?;
         let mut bytes = MAGIC.to_vec();
@@ -213,15 +215,12 @@ impl PackHead {
 
     /// What a terrain says of itself; what is wrong else.
     pub fn terrain(&self) -> Result<TerrainMeta, String> {
-        let mut meta = self.meta.terrain()?;
-        meta.bound_radius_m.clone_from(&self.bound_radius_m);
-        meta.check().map(|()| meta)
+        TerrainMeta::from_json(&self.meta, self.bound_radius_m.clone()).map_err(|e| e.to_string())
     }
 
     /// What a model or a TIN says of itself; what is wrong else.
     pub fn clusters(&self) -> Result<ClusterMeta, String> {
-        let meta = self.meta.clusters()?;
-        meta.check()?;
+        let meta = ClusterMeta::from_json(&self.meta).map_err(|e| e.to_string())?;
         if meta.tin.is_some() == (self.kind == PackKind::Tin) { Ok(meta) } else { Err("two kinds of model".into()) }
     }
 

@@ -66,14 +66,14 @@ impl PackSource {
         let mut head = PackHead {
             kind,
             title: String::new(),
-            meta: store.facts()?,
+            meta: store.facts()?.to_json(),
             bound_radius_m,
             bytes: 0,
             sections: named.iter().map(|(name, level, rows)| section(name, *level, rows)).collect(),
         };
         let path = store.path().to_owned();
         let damaged = |found: String| IoError::malformed(&path, "rows", "those of a whole surface", found);
-        head.title = head.meta.title().map_err(damaged)?;
+        head.title = head.meta.get("title").and_then(|title| title.as_str()).unwrap_or_default().to_owned();
         let start = place(&mut head).ok_or_else(|| {
             IoError::too_large(store.path(), "facts, bytes", 0, super::layout::MOST_HEAD_BYTES as u64)
         })?;

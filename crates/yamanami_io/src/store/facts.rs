@@ -1,29 +1,86 @@
-//! What a surface says of itself, by name: the table `meta` of a `.yama`, or `meta` of a packed surface's head.
+//! What a surface says of itself, by name, as a database or the head of a packed surface has it.
 
 use super::cluster::{ClusterMeta, TinMeta};
 use super::meta::TerrainMeta;
 use super::quantum::Quantum;
 use glam::DVec3;
-use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use yamanami_core::{Aabb, Crs, GeoReference, Snap};
 
-/// The value of a fact.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(untagged)]
-pub(super) enum Fact {
-    Nothing,
+/// A fact.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Fact {
+    Null,
     Integer(i64),
     Real(f64),
     Text(String),
 }
 
 /// What a file says of itself, by name.
-/// Numbers keep their kind, so that they come back from JSON as they went in.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct Facts(pub(super) BTreeMap<String, Fact>);
+#[derive(Debug, Default)]
+pub(crate) struct Facts(BTreeMap<String, Fact>);
+
+/// Facts that are no surface's: what is missing or wrong.
+#[derive(Debug, thiserror::Error)]
+#[error("the facts: {0}")]
+pub struct FactsError(String);
+
+impl TerrainMeta {
+    /// The facts of a terrain by the names that they have in a database, with the radii of its levels, finest first.
+    pub fn from_json(
+        facts: &serde_json::Map<String, serde_json::Value>,
+        bound_radius_m: Vec<f64>,
+    ) -> Result<Self, FactsError> {
+        let meta = Facts::from_json(facts).and_then(|facts| facts.terrain()).map_err(FactsError)?;
+        let meta = Self { bound_radius_m, ..meta };
+        meta.check().map_err(FactsError)?;
+        Ok(meta)
+    }
+}
+
+impl ClusterMeta {
+    /// The facts of a model by the names that they have in a database.
+    pub fn from_json(facts: &serde_json::Map<String, serde_json::Value>) -> Result<Self, FactsError> {
+        let meta = Facts::from_json(facts).and_then(|facts| facts.clusters()).map_err(FactsError)?;
+        meta.check().map_err(FactsError)?;
+        Ok(meta)
+    }
+}
 
 impl Facts {
+    fn from_json(facts: &serde_json::Map<String, serde_json::Value>) -> Result<Self, String> {
+        use serde_json::Value;
+        let fact = |(key, value): (&String, &Value)| {
+            let fact = match value {
+                Value::Null => Fact::Null,
+                Value::Number(n) if n.is_i64() => Fact::Integer(n.as_i64().unwrap_or_default()),
+                Value::Number(n) if n.is_f64() => Fact::Real(n.as_f64().unwrap_or_default()),
+                Value::String(text) => Fact::Text(text.clone()),
+                other => return Err(format!("`{key}` = {other}")),
+            };
+            Ok((key.clone(), fact))
+        };
+        facts.iter().map(fact).collect::<Result<_, _>>().map(Self)
+    }
+
+    /// The facts by name; numbers keep their kind, so that they come back as they were.
+    #[cfg(feature = "files")]
+    pub(crate) fn to_json(&self) -> serde_json::Map<String, serde_json::Value> {
+        let value = |fact: &Fact| match fact {
+            Fact::Null => serde_json::Value::Null,
+            Fact::Integer(number) => (*number).into(),
+            Fact::Real(number) => (*number).into(),
+            Fact::Text(text) => text.as_str().into(),
+        };
+        self.0.iter().map(|(key, fact)| (key.clone(), value(fact))).collect()
+    }
+
+    /// Adds one.
+    #[cfg(feature = "files")]
+    pub(crate) fn insert(&mut self, key: String, fact: Fact) {
+        self.0.insert(key, fact);
+    }
+
     fn wrong(&self, key: &str) -> String {
         match self.0.get(key) {
             None => format!("no `{key}`"),
@@ -57,13 +114,8 @@ impl Facts {
         }
     }
 
-    /// The name for people.
-    pub(crate) fn title(&self) -> Result<String, String> {
-        self.text("title")
-    }
-
     /// A model; says what is missing or wrong.
-    pub fn clusters(&self) -> Result<ClusterMeta, String> {
+    pub(crate) fn clusters(&self) -> Result<ClusterMeta, String> {
         let tin = match self.text("kind")?.as_str() {
             "clusters" => None,
             "tin" => Some(self.tin()?),
@@ -98,13 +150,13 @@ impl Facts {
 
     fn epsg(&self) -> Result<Option<u32>, String> {
         match self.0.get("crs_epsg") {
-            Some(Fact::Nothing) => Ok(None),
+            Some(Fact::Null) => Ok(None),
             _ => Ok(Some(self.integer("crs_epsg")?)),
         }
     }
 
     /// A terrain, all but its bound radii; says what is missing or wrong.
-    pub fn terrain(&self) -> Result<TerrainMeta, String> {
+    pub(crate) fn terrain(&self) -> Result<TerrainMeta, String> {
         if self.text("kind")? != "terrain" {
             return Err(self.wrong("kind"));
         }

@@ -1,32 +1,20 @@
-//! Numbers and checksums of the rows that a surface is kept in: the same in a `.yama` and in a packed surface.
+//! Numbers of pages as rows of a table, and checksums of rows.
 
-use yamanami_core::{BASE_CLUSTERS, GroupId, PageId};
+use yamanami_core::PageId;
 
-/// Row of a model's base mesh, before those of all nodes; also of the block of nodes that describes it.
-pub const BASE_ROW: i64 = -1;
-/// Row of a TIN's annex.
-pub const ANNEX_ROW: i64 = -2;
-/// Nodes of a block; a block's row is its first node.
-pub const BLOCK_NODES: usize = 1024;
-
-/// Row of a terrain's page: coarse levels first, then by rows.
+/// Row number of a page: coarse levels first, then by rows.
 pub fn row_id(id: PageId) -> i64 {
     i64::from(63 - id.level) << 48 | i64::from(id.y) << 24 | i64::from(id.x)
 }
 
 /// The page of a row number.
-pub(super) fn page_id(row: i64) -> Option<PageId> {
+pub fn page_id(row: i64) -> Option<PageId> {
     let field = |shift: u32| (row >> shift & 0xFF_FFFF) as u32;
     let level = 63u32.checked_sub(u32::try_from(row >> 48).ok()?)?;
     Some(PageId { level, x: field(0), y: field(24) })
 }
 
-/// Row of a group's page.
-pub fn row_of(group: GroupId) -> i64 {
-    if group == BASE_CLUSTERS { BASE_ROW } else { group.into() }
-}
-
-/// Checksum of a row: CRC-32 (IEEE) of its number (8 bytes, little-endian) and its bytes.
+/// Checksum of a row: CRC-32 of its number (8 bytes, little-endian) and its bytes.
 pub fn row_crc32(row: i64, bytes: &[u8]) -> u32 {
     let mut hasher = crc32fast::Hasher::new();
     hasher.update(&row.to_le_bytes());

@@ -152,7 +152,7 @@ fn count(n: u64) -> Value {
 
 /// The facts as they are in the file; the inner error says what is wrong.
 pub(super) fn read_meta(db: &Connection) -> rusqlite::Result<Result<Facts, String>> {
-    let mut facts = std::collections::BTreeMap::new();
+    let mut facts = Facts::default();
     let mut select = db.prepare("SELECT key, value FROM meta LIMIT 1000")?;
     let mut rows = select.query([])?;
     while let Some(row) = rows.next()? {
@@ -161,13 +161,13 @@ pub(super) fn read_meta(db: &Connection) -> rusqlite::Result<Result<Facts, Strin
             other => return Ok(Err(format!("a key that is {}", other.data_type()))),
         };
         let fact = match row.get::<_, Value>(1)? {
-            Value::Null => Fact::Nothing,
-            Value::Integer(number) => Fact::Integer(number),
-            Value::Real(number) => Fact::Real(number),
-            Value::Text(text) => Fact::Text(text),
-            Value::Blob(_) => return Ok(Err(format!("`{key}` that is a blob"))),
+            Value::Null => Fact::Null,
+            Value::Integer(v) => Fact::Integer(v),
+            Value::Real(v) => Fact::Real(v),
+            Value::Text(v) => Fact::Text(v),
+            Value::Blob(_) => return Ok(Err(format!("`{key}` is a blob"))),
         };
         facts.insert(key, fact);
     }
-    Ok(Ok(Facts(facts)))
+    Ok(Ok(facts))
 }

@@ -3,10 +3,11 @@
 use super::annex::TinAnnex;
 use super::codec::ClusterCodec;
 use super::meta::ClusterMeta;
-use super::nodes::{BaseShape, pack, pack_base};
+use super::nodes::{BLOCK_NODES, BaseShape, pack, pack_base};
+use super::table::{ANNEX_ROW, BASE_ROW, group_row};
 use crate::IoError;
 use crate::store::database::PartFile;
-use crate::store::rows::{ANNEX_ROW, BASE_ROW, BLOCK_NODES, row_crc32, row_of};
+use crate::store::rows::row_crc32;
 use crate::store::schema::{CLUSTER_TABLES, Content, write_cluster_meta};
 use rusqlite::params;
 use std::path::Path;
@@ -14,7 +15,6 @@ use yamanami_core::{ClusterNode, GroupId};
 
 /// Bytes of a database page.
 const DB_PAGE_BYTES: u32 = 1024;
-
 /// A model's `.yama` file in the making.
 #[derive(Debug)]
 pub struct ClusterWriter {
@@ -69,7 +69,7 @@ impl ClusterWriter {
 
     /// Stores a coded page: of the base mesh first, then of the nodes in order, so that a prefix is a coarser model.
     pub fn insert(&mut self, group: GroupId, bytes: &[u8]) -> Result<(), IoError> {
-        self.file.insert_page(row_of(group), bytes)?;
+        self.file.insert_page(group_row(group), bytes)?;
         self.written += 1;
         Ok(())
     }
