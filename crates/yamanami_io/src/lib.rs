@@ -1,7 +1,7 @@
 //! File formats in and out, and the surface database.
 //!
 //! [`dem`] reads elevation grids, [`mesh_file`] reads and writes meshes, [`tin_file`] TINs, [`points`] reads survey points and breaklines, [`geodata`] named places and lines for maps, [`store`] is the surface database,
-//! [`progressive`] the file of a semi-regular model of which any prefix is one; [`crs`] knows coordinate reference systems by EPSG code.
+//! [`progressive`] the file of a semi-regular model of which any prefix is one; [`tiles`] writes tile trees; [`crs`] knows coordinate reference systems by EPSG code.
 
 pub mod crs;
 pub mod dem;
@@ -12,6 +12,7 @@ pub mod points;
 pub mod progressive;
 pub mod scratch;
 pub mod store;
+pub mod tiles;
 pub mod tin_file;
 
 pub use error::IoError;
