@@ -10,6 +10,7 @@ mod coast;
 mod compare;
 mod demo;
 mod demo_map;
+mod export;
 mod extract;
 mod flight_path;
 mod flight_text;
@@ -91,6 +92,7 @@ enum Command {
     Render(render::RenderArgs),
     Map(Box<map::MapArgs>),
     Extract(Box<extract::ExtractArgs>),
+    Export(Box<export::ExportArgs>),
     Reduce(Box<reduce::ReduceArgs>),
     Compare(compare::CompareArgs),
     Heights(heights::HeightsArgs),
@@ -119,6 +121,7 @@ impl Program {
             Command::Fly(args) => fly::run(args),
             Command::Render(args) => render::run(args),
             Command::Extract(args) => extract::run(args),
+            Command::Export(args) => export::run(args),
             Command::Reduce(args) => reduce::run(args),
             Command::Compare(args) => compare::run(args),
             Command::Heights(args) => heights::run(args),

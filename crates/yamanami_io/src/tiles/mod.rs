@@ -1,0 +1,5 @@
+//! Tiles for other programs' viewers: where they are written, and their formats.
+
+mod output;
+
+pub use output::{TileFolder, TileOutput};
