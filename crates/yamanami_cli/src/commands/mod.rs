@@ -36,6 +36,8 @@ mod render;
 mod render_model;
 mod reproduce;
 mod reproduce_hori;
+#[cfg(feature = "serve")]
+mod serve;
 mod tin;
 mod view;
 mod view_map;
@@ -93,6 +95,8 @@ enum Command {
     Map(Box<map::MapArgs>),
     Extract(Box<extract::ExtractArgs>),
     Export(Box<export::ExportArgs>),
+    #[cfg(feature = "serve")]
+    Serve(serve::ServeArgs),
     Reduce(Box<reduce::ReduceArgs>),
     Compare(compare::CompareArgs),
     Heights(heights::HeightsArgs),
@@ -122,6 +126,8 @@ impl Program {
             Command::Render(args) => render::run(args),
             Command::Extract(args) => extract::run(args),
             Command::Export(args) => export::run(args),
+            #[cfg(feature = "serve")]
+            Command::Serve(args) => serve::run(args),
             Command::Reduce(args) => reduce::run(args),
             Command::Compare(args) => compare::run(args),
             Command::Heights(args) => heights::run(args),
