@@ -124,7 +124,8 @@ impl<'a> HeightTiles<'a> {
     fn samples_per_pixel(&self, zoom: u32, [lon, lat]: [f64; 2]) -> f64 {
         let pixel = 1.0 / (f64::from(1u32 << zoom) * f64::from(self.side_px));
         let at = |dx: f64, dy: f64| {
-            self.heights.grid_from_lon_lat(lon + 360.0 * dx * 1e-3 * pixel, latitude(share_south(lat) + dy * 1e-3 * pixel))
+            self.heights
+                .grid_from_lon_lat(lon + 360.0 * dx * 1e-3 * pixel, latitude(share_south(lat) + dy * 1e-3 * pixel))
         };
         let (Some(here), Some(east), Some(south)) = (at(0.0, 0.0), at(1.0, 0.0), at(0.0, 1.0)) else { return 0.0 };
         // the area of a pixel in samples

@@ -51,7 +51,8 @@ impl<K: Hash + Eq + Clone> Cache<K> {
             kept.bytes -= old.len() + ENTRY_BYTES;
         }
         while kept.bytes > self.most_bytes {
-            let Some(oldest) = kept.answers.iter().min_by_key(|(_, (_, used))| *used).map(|(key, _)| key.clone()) else {
+            let Some(oldest) = kept.answers.iter().min_by_key(|(_, (_, used))| *used).map(|(key, _)| key.clone())
+            else {
                 return;
             };
             if let Some((old, _)) = kept.answers.remove(&oldest) {

@@ -24,9 +24,7 @@ pub(crate) fn draw(served: &Served) -> Result<Content, Fault> {
             let terrain = Terrain::open(std::slice::from_ref(&served.path), &OpenOptions::default(), &|_| ());
             terrain.and_then(|mut terrain| picture(&mut terrain))
         }
-        PackKind::Model | PackKind::Tin => {
-            Model::open(&served.path, &|_| ()).and_then(|mut model| picture(&mut model))
-        }
+        PackKind::Model | PackKind::Tin => Model::open(&served.path, &|_| ()).and_then(|mut model| picture(&mut model)),
     };
     let bytes = drawn.map_err(|e| served.unreadable(e))?;
     Ok(Content::new("image/png", bytes, AN_HOUR))

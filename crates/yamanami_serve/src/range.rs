@@ -50,7 +50,16 @@ mod tests {
         for nothing in ["bytes=100-", "bytes=100-200", "bytes=-0", "bytes=99999999999999999999999-"] {
             assert_eq!(of(nothing), Wanted::Nothing, "{nothing}");
         }
-        for whole in ["bytes=", "bytes=-", "bytes=5-4", "bytes=a-b", "lines=1-2", "bytes=0-1,3-4", "bytes=+1-2", "0-1"] {
+        for whole in [
+            "bytes=",
+            "bytes=-",
+            "bytes=5-4",
+            "bytes=a-b",
+            "lines=1-2",
+            "bytes=0-1,3-4",
+            "bytes=+1-2",
+            "0-1",
+        ] {
             assert_eq!(of(whole), Wanted::Whole, "{whole}");
         }
         assert_eq!(wanted(Some("bytes=0-"), 0), Wanted::Nothing);

@@ -111,7 +111,8 @@ pub(crate) fn ranged(body: Body, kind: &str, tag: &str, part: Option<Range<u64>>
 
 /// That the range asked for is not there.
 pub(crate) fn no_such_range(length: u64) -> Reply {
-    let mut reply = of_fault(&Fault::new(StatusCode::RANGE_NOT_SATISFIABLE, format!("there are {length} bytes")), false);
+    let mut reply =
+        of_fault(&Fault::new(StatusCode::RANGE_NOT_SATISFIABLE, format!("there are {length} bytes")), false);
     put(&mut reply, header::CONTENT_RANGE, &format!("bytes */{length}"));
     reply
 }

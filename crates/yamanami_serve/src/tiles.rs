@@ -65,7 +65,14 @@ mod tests {
     #[test]
     fn tiles_that_cannot_be_are_not_found() {
         assert_eq!(parse("3", "7", "0.png", ".png"), Ok([3, 7, 0]));
-        for (zoom, x, y) in [("3", "8", "0.png"), ("3", "7", "0"), ("-1", "0", "0.png"), ("99", "0", "0.png"), ("+3", "0", "0.png"), ("3", "", "0.png")] {
+        for (zoom, x, y) in [
+            ("3", "8", "0.png"),
+            ("3", "7", "0"),
+            ("-1", "0", "0.png"),
+            ("99", "0", "0.png"),
+            ("+3", "0", "0.png"),
+            ("3", "", "0.png"),
+        ] {
             assert!(parse(zoom, x, y, ".png").is_err(), "{zoom}/{x}/{y}");
         }
     }

@@ -12,8 +12,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// What to do where the viewer is not there.
-pub(crate) const MISSING: &str =
-    "the browser viewer is not part of this program: run `cargo xtask web` and build the program again, or give the \
+pub(crate) const MISSING: &str = "the browser viewer is not part of this program: run `cargo xtask web` and build the program again, or give the \
      folder of a built viewer with --web DIR";
 
 /// Most files of a folder; another folder than a viewer's is most likely a slip.

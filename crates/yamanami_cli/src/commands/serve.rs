@@ -46,7 +46,8 @@ pub(crate) fn run(args: &ServeArgs) -> Result<(), Failure> {
     let server = Server::bind(surfaces, viewer, &ServeOptions { listen: args.listen, cors: args.cors, limits })?;
     let address = server.address();
     // where all addresses are listened at, this computer is one of them
-    let host = if address.ip().is_unspecified() { format!("localhost:{}", address.port()) } else { address.to_string() };
+    let host =
+        if address.ip().is_unspecified() { format!("localhost:{}", address.port()) } else { address.to_string() };
     let url = format!("http://{host}/");
     out::row("serving", &url)?;
     out::flush()?;
