@@ -60,7 +60,7 @@ impl ClusterStore {
             let sound = found.filter(|(crc32, bytes)| i64::from(row_crc32(row, bytes)) == *crc32);
             sound.map(|(_, bytes)| bytes).ok_or_else(|| damaged(row))
         };
-        let table = ClusterTable::read(&meta, |row| block(row), damaged)?;
+        let table = ClusterTable::read(&meta, block, damaged)?;
         Ok(Self { codec: ClusterCodec::new(&meta), file, meta, table })
     }
 
@@ -72,6 +72,11 @@ impl ClusterStore {
     /// What the file says of itself.
     pub fn meta(&self) -> &ClusterMeta {
         &self.meta
+    }
+
+    /// The nodes and what they say of the pages.
+    pub fn table(&self) -> &ClusterTable {
+        &self.table
     }
 
     /// The nodes, parents first.
