@@ -72,6 +72,7 @@ mod reduce;
 #[cfg(feature = "files")]
 mod reproduce;
 mod scene;
+pub mod steer;
 mod subject;
 mod terrain;
 #[cfg(feature = "files")]
