@@ -1,9 +1,9 @@
 //! File formats in and out, and the surface database.
 //!
-//! [`dem`] reads elevation grids, [`mesh_file`] reads and writes meshes, [`tin_file`] TINs, [`points`] reads survey points and breaklines, [`geodata`] named places and lines for maps, [`store`] is the surface database,
+//! [`dem`] reads elevation grids, [`mesh_file`] reads and writes meshes, [`tin_file`] TINs, [`points`] reads survey points and breaklines, [`geodata`] named places and lines for maps, [`store`] is the surface database, [`pack`] the same as one file read by ranges,
 //! [`progressive`] the file of a semi-regular model of which any prefix is one; [`crs`] knows coordinate reference systems by EPSG code.
 //!
-//! Without the feature `files` only [`crs`] and the codecs of [`store`] are built, which need no file: for browsers.
+//! Without the feature `files` only [`crs`], the codecs of [`store`] and the layout of [`pack`] are built, which need no file: for browsers.
 
 pub mod crs;
 #[cfg(feature = "files")]
@@ -13,6 +13,7 @@ mod error;
 pub mod geodata;
 #[cfg(feature = "files")]
 pub mod mesh_file;
+pub mod pack;
 #[cfg(feature = "files")]
 pub mod points;
 #[cfg(feature = "files")]

@@ -63,6 +63,18 @@ impl Facts {
         facts.iter().map(fact).collect::<Result<_, _>>().map(Self)
     }
 
+    /// The facts by name; numbers keep their kind, so that they come back as they were.
+    #[cfg(feature = "files")]
+    pub(crate) fn to_json(&self) -> serde_json::Map<String, serde_json::Value> {
+        let value = |fact: &Fact| match fact {
+            Fact::Null => serde_json::Value::Null,
+            Fact::Integer(number) => (*number).into(),
+            Fact::Real(number) => (*number).into(),
+            Fact::Text(text) => text.as_str().into(),
+        };
+        self.0.iter().map(|(key, fact)| (key.clone(), value(fact))).collect()
+    }
+
     /// Adds one.
     #[cfg(feature = "files")]
     pub(crate) fn insert(&mut self, key: String, fact: Fact) {

@@ -26,6 +26,8 @@ mod page;
 mod quantum;
 mod rans;
 #[cfg(feature = "files")]
+mod raw;
+#[cfg(feature = "files")]
 mod reader;
 mod residuals;
 mod rows;
@@ -39,6 +41,7 @@ mod writer;
 pub(crate) use bits::{put_varint, take, take_varint};
 #[cfg(feature = "files")]
 pub(crate) use cluster::connectivity;
+pub(crate) use cluster::{ANNEX_ROW, BASE_ROW, BLOCK_NODES};
 pub use cluster::{ClusterCodec, ClusterMeta, ClusterTable, PageShape, Rounding, TinMeta, group_row, put_in_order};
 #[cfg(feature = "files")]
 pub use cluster::{ClusterStore, ClusterWriter, TinAnnex};
@@ -49,8 +52,12 @@ pub use meta::TerrainMeta;
 pub use page::{EncodedPage, PageCodec};
 pub use quantum::{Quantum, QuantumFinder};
 #[cfg(feature = "files")]
+pub(crate) use raw::{RawRow, RawStore};
+#[cfg(feature = "files")]
 pub use reader::TerrainStore;
 pub use rows::{page_id, row_crc32, row_id};
+#[cfg(feature = "files")]
+pub(crate) use schema::Content;
 #[cfg(feature = "files")]
 pub use writer::TerrainWriter;
 

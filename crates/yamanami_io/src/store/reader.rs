@@ -249,8 +249,12 @@ fn read_facts(db: &Connection) -> rusqlite::Result<Result<FactsAndRadii, String>
         Ok(meta) => meta,
         Err(found) => return Ok(Err(found)),
     };
+    Ok(Ok((meta, read_bound_radii(db)?)))
+}
+
+/// By level, metres.
+pub(super) fn read_bound_radii(db: &Connection) -> rusqlite::Result<Vec<f64>> {
     let mut select =
         db.prepare("SELECT bound_radius_m FROM level WHERE bound_radius_m IS NOT NULL ORDER BY level LIMIT 64")?;
-    let radii = select.query_map([], |row| row.get(0))?.collect::<rusqlite::Result<Vec<f64>>>()?;
-    Ok(Ok((meta, radii)))
+    select.query_map([], |row| row.get(0))?.collect()
 }

@@ -11,7 +11,7 @@ use rusqlite::{Connection, params};
 pub(super) const APPLICATION_ID: u32 = 0x5941_4D41;
 /// Bytes 60 to 63 of the file tell what it holds and in which version; 0 while it is being written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Content {
+pub(crate) enum Content {
     /// A terrain.
     Terrain = 1,
     /// A model of clusters.

@@ -26,10 +26,12 @@ mod writer;
 pub use annex::TinAnnex;
 pub use codec::{ClusterCodec, PageShape};
 pub use meta::{ClusterMeta, TinMeta};
+pub(crate) use nodes::BLOCK_NODES;
 pub use order::put_in_order;
 #[cfg(feature = "files")]
 pub use reader::ClusterStore;
 pub use rounding::Rounding;
+pub(crate) use table::{ANNEX_ROW, BASE_ROW};
 pub use table::{ClusterTable, group_row};
 #[cfg(feature = "files")]
 pub use writer::ClusterWriter;

@@ -8,7 +8,7 @@ use glam::DVec3;
 use yamanami_core::{BASE_CLUSTERS, ClusterNode, Sphere, VertexId};
 
 /// Nodes of a block.
-pub(super) const BLOCK_NODES: usize = 1024;
+pub(crate) const BLOCK_NODES: usize = 1024;
 /// No node takes more bytes: 20 clusters away and 20 in their place.
 const MOST_NODE_BYTES: usize = 512;
 /// Most clusters that a node takes away or brings.

@@ -3,13 +3,11 @@
 use super::annex::TinAnnex;
 use super::codec::ClusterCodec;
 use super::meta::ClusterMeta;
-use super::table::{BASE_ROW, ClusterTable, group_row};
-use super::writer::ANNEX_ROW;
+use super::table::{ANNEX_ROW, BASE_ROW, ClusterTable, group_row};
 use crate::IoError;
 use crate::store::database::{WholeFile, content_of};
-use crate::store::rows::row_crc32;
+use crate::store::raw::node_block;
 use crate::store::schema::{CLUSTER_TABLES, Content, read_meta};
-use rusqlite::{OptionalExtension, params};
 use std::path::Path;
 use yamanami_core::{BASE_CLUSTERS, ClusterNode, ClusterPage, GroupId};
 
@@ -52,14 +50,7 @@ impl ClusterStore {
             let place = if row == BASE_ROW { "base mesh".to_owned() } else { format!("nodes from {row} on") };
             IoError::malformed(path, place, "whole nodes", "damaged ones")
         };
-        let block = |row: i64| -> Result<Vec<u8>, IoError> {
-            let sql = "SELECT crc32, data FROM node_block WHERE id = ?1";
-            let found: Option<(i64, Vec<u8>)> = file.with("table `node_block`", |db| {
-                db.prepare_cached(sql)?.query_row(params![row], |row| Ok((row.get(0)?, row.get(1)?))).optional()
-            })?;
-            let sound = found.filter(|(crc32, bytes)| i64::from(row_crc32(row, bytes)) == *crc32);
-            sound.map(|(_, bytes)| bytes).ok_or_else(|| damaged(row))
-        };
+        let block = |row: i64| -> Result<Vec<u8>, IoError> { node_block(&file, row)?.ok_or_else(|| damaged(row)) };
         let table = ClusterTable::read(&meta, block, damaged)?;
         Ok(Self { codec: ClusterCodec::new(&meta), file, meta, table })
     }

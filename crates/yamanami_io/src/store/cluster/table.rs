@@ -6,7 +6,9 @@ use super::nodes::{BLOCK_NODES, BaseShape, unpack, unpack_base};
 use yamanami_core::{BASE_CLUSTERS, ClusterNode, GroupId};
 
 /// Row of the base mesh, among the blocks of nodes as among the pages.
-pub(super) const BASE_ROW: i64 = -1;
+pub(crate) const BASE_ROW: i64 = -1;
+/// Row of a TIN's annex.
+pub(crate) const ANNEX_ROW: i64 = -2;
 
 /// Row number of a group's page: the base mesh before all nodes.
 pub fn group_row(group: GroupId) -> i64 {

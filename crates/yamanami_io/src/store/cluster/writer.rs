@@ -4,7 +4,7 @@ use super::annex::TinAnnex;
 use super::codec::ClusterCodec;
 use super::meta::ClusterMeta;
 use super::nodes::{BLOCK_NODES, BaseShape, pack, pack_base};
-use super::table::{BASE_ROW, group_row};
+use super::table::{ANNEX_ROW, BASE_ROW, group_row};
 use crate::IoError;
 use crate::store::database::PartFile;
 use crate::store::rows::row_crc32;
@@ -15,9 +15,6 @@ use yamanami_core::{ClusterNode, GroupId};
 
 /// Bytes of a database page.
 const DB_PAGE_BYTES: u32 = 1024;
-/// Row number of a TIN's annex.
-pub(super) const ANNEX_ROW: i64 = -2;
-
 /// A model's `.yama` file in the making.
 #[derive(Debug)]
 pub struct ClusterWriter {
