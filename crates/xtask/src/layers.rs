@@ -56,6 +56,12 @@ const LAYERS: &[Layer] = &[
     },
     // the program generates synthetic terrain for trying and timing: the kit's
     Layer { package: "yamanami_cli", siblings: &["yamanami", "yamanami_testkit"], in_tests: &[], never: &["pyo3"] },
+    Layer {
+        package: "yamanami_web",
+        siblings: &["yamanami"],
+        in_tests: &[],
+        never: &["clap", "winit", "egui", "pyo3", "axum"],
+    },
     Layer { package: "xtask", siblings: &[], in_tests: &[], never: &[] },
 ];
 
