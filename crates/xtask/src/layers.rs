@@ -59,9 +59,10 @@ const LAYERS: &[Layer] = &[
     Layer {
         package: "yamanami_web",
         siblings: &["yamanami"],
-        in_tests: &[],
-        never: &["clap", "winit", "egui", "pyo3", "axum"],
+        in_tests: TESTKIT,
+        never: &["clap", "winit", "egui", "eframe", "pyo3", "axum", "tokio", "rusqlite", "memmap2"],
     },
+    Layer { package: "yamanami_web_build", siblings: &[], in_tests: &[], never: &[] },
     Layer { package: "xtask", siblings: &[], in_tests: &[], never: &[] },
 ];
 
