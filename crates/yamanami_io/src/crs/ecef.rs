@@ -38,8 +38,7 @@ pub fn geographic_from_ecef(place: DVec3) -> [f64; 3] {
         reduced = (SEMI_MINOR_M * sin).atan2(SEMI_MAJOR_M * cos);
     }
     let (sin, cos) = latitude.sin_cos();
-    let height_m =
-        from_axis_m * cos + place.z * sin - SEMI_MAJOR_M * (1.0 - ECCENTRICITY_SQUARED * sin * sin).sqrt();
+    let height_m = from_axis_m * cos + place.z * sin - SEMI_MAJOR_M * (1.0 - ECCENTRICITY_SQUARED * sin * sin).sqrt();
     [place.y.atan2(place.x), latitude, height_m]
 }
 

@@ -66,7 +66,11 @@ impl Geoid {
         let mut source = dem::open(&[path.to_owned()], &dem::OpenOptions::default())?;
         let info = source.info();
         if !info.geo.crs.geographic {
-            return Err(IoError::unsupported(path, "a geoid that is not in longitude and latitude", "convert it first"));
+            return Err(IoError::unsupported(
+                path,
+                "a geoid that is not in longitude and latitude",
+                "convert it first",
+            ));
         }
         let samples = info.size[0].saturating_mul(info.size[1]);
         if samples > MOST_SAMPLES {

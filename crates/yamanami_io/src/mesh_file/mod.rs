@@ -44,9 +44,11 @@ pub use stream::{MeshStream, TriangleSink, VertexRun, VertexSink};
 
 use crate::IoError;
 use companions::Pictures;
+pub(crate) use glb_write::glb_head;
 pub use meshopt_decode::{MeshoptFilter, MeshoptMode, decode_meshopt};
 use origin::Origin;
 use packing::Packing;
+pub(crate) use srgb::linear_word_of_byte;
 use std::path::Path;
 use yamanami_core::TriangleMesh;
 
@@ -77,7 +79,7 @@ pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), IoError> {
 }
 
 /// Text without line breaks or other control characters.
-fn one_line(text: &str) -> String {
+pub(crate) fn one_line(text: &str) -> String {
     text.split(char::is_control).filter(|part| !part.is_empty()).collect::<Vec<_>>().join(" ")
 }
 

@@ -85,8 +85,7 @@ pub fn facts_schema(bounds: &TileBounds) -> Value {
         TileBounds::Box(_) => ("TILE_BOUNDING_BOX", 12),
         TileBounds::Region(_) => ("TILE_BOUNDING_REGION", 6),
     };
-    let array =
-        json!({"type": "SCALAR", "componentType": "FLOAT64", "array": true, "count": count, "required": true, "semantic": semantic});
+    let array = json!({"type": "SCALAR", "componentType": "FLOAT64", "array": true, "count": count, "required": true, "semantic": semantic});
     let error =
         json!({"type": "SCALAR", "componentType": "FLOAT64", "required": true, "semantic": "TILE_GEOMETRIC_ERROR"});
     json!({"id": "yamanami", "classes": {"tile": {"properties": {"bounds": array, "error": error}}}})
