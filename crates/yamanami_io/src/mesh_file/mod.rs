@@ -74,7 +74,7 @@ impl MeshMeta {
 }
 
 /// Writes a file of these bytes; it appears whole or not at all.
-pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), IoError> {
+pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), IoError> {
     atomic::write(path, Packing::None, |out| out.write_all(bytes))
 }
 

@@ -34,6 +34,13 @@ pub struct LatticeMesh {
 /// Most steps that a mesh may span: what single precision keeps exactly.
 pub const MOST_STEPS: i64 = (1 << 24) - 2;
 
+/// A power of two of metres, at most `wanted_m` where that can be counted in steps over the box.
+pub fn step_below_m(wanted_m: f64, bounds: &Aabb) -> f64 {
+    let least_m = 1.1 * (bounds.max - bounds.min).max_element() / MOST_STEPS as f64;
+    let power = |m: f64| if m > 0.0 { m.log2() } else { -60.0 };
+    power(wanted_m).floor().max(power(least_m).ceil()).clamp(-200.0, 200.0).exp2()
+}
+
 /// How attributes are packed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum GlbPacking {
