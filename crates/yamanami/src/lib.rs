@@ -62,7 +62,10 @@ pub use deformed::{
     lay_places, make_map, rank_by_prominence,
 };
 pub use error::Error;
-pub use export::{ExportJob, ExportKind, ExportOptions, ExportReport, ExportSubject, Fill, ZoomReport, export};
+pub use export::{
+    ExportJob, ExportKind, ExportOptions, ExportReport, ExportSubject, Fill, GeoidChoice, GlbPacking, HeightKind,
+    ZoomReport, export,
+};
 pub use extract::{Extracted, Frame, extract, to_frame};
 pub use flight::{FlightMode, FlightOptions, FrameStats, Lod, fly};
 pub use flight_report::{FlightSummary, summary, write_flight_plots};
