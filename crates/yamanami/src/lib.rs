@@ -104,7 +104,10 @@ pub use deformed::{
 };
 pub use error::Error;
 #[cfg(feature = "files")]
-pub use export::{ExportJob, ExportKind, ExportOptions, ExportReport, ExportSubject, Fill, ZoomReport, export};
+pub use export::{
+    ExportJob, ExportKind, ExportOptions, ExportReport, ExportSubject, Fill, GeoidChoice, GlbPacking, HeightKind,
+    ZoomReport, export,
+};
 #[cfg(feature = "files")]
 pub use extract::{Extracted, Frame, extract, to_frame};
 #[cfg(feature = "files")]
