@@ -16,6 +16,8 @@ use yamanami_io::tiles::subtree::{TileBounds, TileFacts};
 use yamanami_io::tiles::tileset::BoundingVolume;
 use yamanami_io::tiles::{TileFolder, TileOutput};
 
+/// Triangles of a leaf, about.
+const LEAF_TRIANGLES: i64 = 40_000;
 /// Tiles made side by side: each has its triangles in memory.
 const TILES_AT_ONCE: usize = 8;
 /// Bytes of pages that stay between tiles.
@@ -35,7 +37,7 @@ pub(super) fn write(model: &mut Model, job: &ExportJob<'_>, folder: &TileFolder)
         }
         None => None,
     };
-    let plan = Plan::of(model, placement, options.tolerance_m.unwrap_or(0.0));
+    let plan = Plan::of(model, placement, options.tolerance_m.unwrap_or(0.0), LEAF_TRIANGLES);
     let mut report = ExportReport { notes, ..ExportReport::default() };
     let mut tiles = BTreeMap::new();
     let meta = MeshMeta::default();
