@@ -49,6 +49,7 @@ mod terrain;
 mod thin;
 mod tin;
 mod tin_draw;
+mod validate;
 mod wavelet;
 mod yama;
 
@@ -91,6 +92,7 @@ pub use terrain::{OpenOptions, Terrain};
 pub use thin::{ThinBy, ThinLevel, thin};
 pub use tin::{GroundOptions, ReadGround, is_tin_file, read_ground};
 pub use tin_draw::{Culling, DrawCounts, TinDrawing, seen_triangles};
+pub use validate::{CrackRow, ErrorRow, Finding, RULES, Rule, Severity, ValidateOptions, ValidateReport, validate};
 pub use wavelet::{
     Approximation, DateModel, Fullness, KEPT_SHARES, SemiRegularModel, WaveletModel, WaveletRow, WaveletStudy, date,
     paper_fullness, usual_thresholds_m, wavelet_study, write_wavelet_plots,

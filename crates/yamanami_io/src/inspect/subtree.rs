@@ -27,6 +27,9 @@ impl Availability {
     }
 }
 
+/// Most tiles of a subtree whose metadata are read.
+const MOST_FACTS: u64 = 1 << 24;
+
 /// What a subtree file says.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
@@ -37,6 +40,9 @@ pub struct Subtree {
     pub contents: Vec<Availability>,
     /// Subtrees below the deepest level.
     pub children: Availability,
+    /// What metadata say of the tiles: a semantic like `TILE_GEOMETRIC_ERROR`, numbers a tile, and the numbers of all tiles that
+    /// are available, in order.
+    pub facts: Vec<(String, usize, Vec<f64>)>,
 }
 
 /// Place of a tile in the Morton order of its level; `place` is column, row and, of an octree, layer.
@@ -49,12 +55,13 @@ pub fn morton(place: &[u32]) -> u64 {
     place.iter().enumerate().map(spread).sum()
 }
 
-/// Reads a binary or JSON subtree of `levels` levels with `fan` (4 or 8) children a tile. `external` gives the bytes of a
-/// buffer outside the file.
+/// Reads a binary or JSON subtree of `levels` levels with `fan` (4 or 8) children a tile. `schema` is the tileset's, `external`
+/// gives the bytes of a buffer outside the file.
 pub fn subtree(
     bytes: &[u8],
     levels: u32,
     fan: u64,
+    schema: &Value,
     external: &dyn Fn(&str) -> Option<Vec<u8>>,
     faults: &mut Faults,
 ) -> Option<Subtree> {
@@ -69,7 +76,7 @@ pub fn subtree(
     let mut reader = Reader { document: &document, binary, external, faults };
     let tiles = fan.checked_pow(levels).map_or(u64::MAX, |leaves| (leaves - 1) / (fan - 1));
     let leaves = fan.checked_pow(levels).unwrap_or(u64::MAX);
-    let found = Subtree {
+    let mut found = Subtree {
         tiles: reader.availability("tileAvailability", &document["tileAvailability"], tiles)?,
         children: reader.availability("childSubtreeAvailability", &document["childSubtreeAvailability"], leaves)?,
         contents: match &document["contentAvailability"] {
@@ -80,7 +87,10 @@ pub fn subtree(
             // as the extension of 3D Tiles 1.0 had it
             one => reader.availability("contentAvailability", one, tiles).into_iter().collect(),
         },
+        facts: Vec::new(),
     };
+    let there = (0..tiles.min(MOST_FACTS)).filter(|&item| found.tiles.has(item)).count();
+    found.facts = reader.facts(schema, there);
     Some(found)
 }
 
@@ -159,6 +169,48 @@ impl Reader<'_> {
             self.faults.add("IM05", name, "no bits beyond the last item", format!("{beyond}"));
         }
         Some(bits)
+    }
+
+    /// The metadata of tiles that the specification gives a meaning.
+    fn facts(&mut self, schema: &Value, tiles: usize) -> Vec<(String, usize, Vec<f64>)> {
+        let mut facts = Vec::new();
+        let document = self.document;
+        let Some(number) = document["tileMetadata"].as_u64() else { return facts };
+        let Some(table) = usize::try_from(number).ok().and_then(|k| document["propertyTables"].get(k)) else {
+            self.faults.add("IM10", "tileMetadata", "a property table that is there", number.to_string());
+            return facts;
+        };
+        if table["count"].as_u64() != Some(tiles as u64) {
+            let expected = format!("a property table of {tiles} tiles");
+            self.faults.add("IM10", "tileMetadata", expected, table["count"].to_string());
+        }
+        let class = &schema["classes"][table["class"].as_str().unwrap_or_default()]["properties"];
+        for (name, property) in class.as_object().into_iter().flatten() {
+            let semantic = property["semantic"].as_str().unwrap_or_default();
+            let size = match property["componentType"].as_str() {
+                Some("FLOAT32") => 4,
+                Some("FLOAT64") => 8,
+                _ => continue,
+            };
+            let width = if property["array"] == true { property["count"].as_u64().unwrap_or(0) as usize } else { 1 };
+            let view = table["properties"][name]["values"].as_u64();
+            let known = semantic.starts_with("TILE_") && property["type"] == "SCALAR" && (1..=64).contains(&width);
+            let Some(view) = view.filter(|_| known) else { continue };
+            let Some(bytes) = self.view(name, view) else { continue };
+            if bytes.len() < tiles * width * size {
+                let expected = format!("{} bytes for {tiles} tiles", tiles * width * size);
+                self.faults.add("IM10", name.clone(), expected, format!("{} bytes", bytes.len()));
+                continue;
+            }
+            let number = |raw: &[u8]| match *raw {
+                [a, b, c, d] => f64::from(f32::from_le_bytes([a, b, c, d])),
+                [a, b, c, d, e, f, g, h] => f64::from_le_bytes([a, b, c, d, e, f, g, h]),
+                _ => f64::NAN,
+            };
+            let values = bytes.chunks_exact(size).take(tiles * width).map(number).collect();
+            facts.push((semantic.to_owned(), width, values));
+        }
+        facts
     }
 
     fn view(&mut self, name: &str, number: u64) -> Option<Vec<u8>> {

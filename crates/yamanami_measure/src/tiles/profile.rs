@@ -31,6 +31,11 @@ impl Profile {
         Self { points }
     }
 
+    /// The same heights at places that are scaled and then moved; the scale is positive.
+    pub fn moved(&self, scale: f64, by: f64) -> Self {
+        Self { points: self.points.iter().map(|&[place, height]| [place * scale + by, height]).collect() }
+    }
+
     /// From the first place to the last; `None` where there is nothing.
     pub fn range(&self) -> Option<[f64; 2]> {
         Some([self.points.first()?[0], self.points.last()?[0]])
