@@ -67,6 +67,13 @@ const LAYERS: &[Layer] = &[
         in_tests: &[],
         never: &["pyo3"],
     },
+    Layer {
+        package: "yamanami_web",
+        siblings: &["yamanami"],
+        in_tests: TESTKIT,
+        never: &["clap", "winit", "egui", "eframe", "pyo3", "axum", "tokio", "rusqlite", "memmap2"],
+    },
+    Layer { package: "yamanami_web_build", siblings: &[], in_tests: &[], never: &[] },
     Layer { package: "xtask", siblings: &[], in_tests: &[], never: &[] },
 ];
 

@@ -65,6 +65,11 @@ impl ClusterStore {
         &self.meta
     }
 
+    /// The nodes and what they say of the pages.
+    pub fn table(&self) -> &ClusterTable {
+        &self.table
+    }
+
     /// The nodes, parents first.
     pub fn nodes(&self) -> &[ClusterNode] {
         self.table.nodes()
