@@ -1,5 +1,6 @@
 //! Standard files for other programs' viewers: what all kinds share, and the way to each.
 
+mod geodetic;
 mod glb;
 mod model_cells;
 mod model_tiles;
@@ -7,6 +8,7 @@ mod placement;
 mod quantized_mesh;
 mod site;
 mod terrain_rgb;
+mod terrain_tiles;
 mod tiles3d;
 mod tileset_files;
 

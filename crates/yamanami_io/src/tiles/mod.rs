@@ -3,6 +3,7 @@
 pub mod glb;
 mod height_png;
 mod output;
+pub mod quantized_mesh;
 pub mod subtree;
 mod three_tz;
 pub mod tileset;
