@@ -191,7 +191,8 @@ fn a_site_is_page_and_data_whole_or_not_at_all() {
     let viewer = Viewer::from_folder(&web).unwrap();
     for _ in 0..2 {
         let report = write_site(&surfaces, &viewer, &out, &|_| ()).unwrap();
-        assert_eq!(report.files, 3);
+        assert_eq!(report.files, 4);
+        assert!(std::fs::read(out.join("a.png")).unwrap().starts_with(b"\x89PNG"));
         assert_eq!(std::fs::read(out.join("index.html")).unwrap(), b"<p>");
         let site: serde_json::Value = serde_json::from_slice(&std::fs::read(out.join("site.json")).unwrap()).unwrap();
         let pack = out.join(site["surfaces"][0]["pack"].as_str().unwrap());
