@@ -76,6 +76,7 @@ mod tests {
         }
         assert!(cache.get(&0).is_some() && cache.get(&9).is_some() && cache.get(&1).is_none());
         cache.put(0, Bytes::from(vec![0; 5000]));
-        assert_eq!((cache.lock().bytes, cache.lock().answers.len()), (0, 0));
+        let kept = cache.lock();
+        assert_eq!((kept.bytes, kept.answers.len()), (0, 0));
     }
 }
