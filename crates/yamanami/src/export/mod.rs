@@ -6,6 +6,7 @@ mod model_tiles;
 mod placement;
 mod quantized_mesh;
 mod site;
+mod terrain_3d;
 mod terrain_rgb;
 mod tiles3d;
 mod tileset_files;
