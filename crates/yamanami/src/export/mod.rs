@@ -1,5 +1,6 @@
 //! Standard files for other programs' viewers: what all kinds share, and the way to each.
 
+mod geodetic;
 mod glb;
 mod model_cells;
 mod model_tiles;
@@ -8,6 +9,7 @@ mod quantized_mesh;
 mod site;
 mod terrain_3d;
 mod terrain_rgb;
+mod terrain_tiles;
 mod tiles3d;
 mod tileset_files;
 

@@ -2,6 +2,7 @@
 
 pub mod glb;
 mod output;
+pub mod quantized_mesh;
 pub mod subtree;
 mod three_tz;
 pub mod tileset;
