@@ -1,0 +1,160 @@
+// One surface in one viewer: opened, streamed, drawn, and made anew at the same view when the graphics device is lost.
+
+import * as format from './format.js';
+import { t } from './i18n.js';
+import { Loop, makeViewer } from './loop.js';
+import { alarm, say, unsay } from './messages.js';
+import { Source } from './source.js';
+import { Stream, openSurface } from './stream.js';
+
+/** A viewer on a surface, and everything that feeds it. */
+export class Session {
+  viewer = null;
+  canvas = null;
+  facts = null;
+  settings = {};
+  /** The settings of a surface just opened: links tell what differs. */
+  usual = {};
+  progress = null;
+  #hooks;
+  #stage;
+  #stream = null;
+  #loop = null;
+  #view = null;
+  #again = true;
+
+  /** Hooks: before(dtS), after(again), arrived(), lost(again) - `again()` goes on at the same view. */
+  constructor(stage, surface, backend, memoryBytes, hooks) {
+    Object.assign(this, { surface, backend, memoryBytes });
+    this.#stage = stage;
+    this.#hooks = hooks;
+  }
+
+  /** Opens the surface; with settings and a view if given. Nonsense among them is given back as messages. */
+  async open(settings = {}, view = null) {
+    const source = new Source(this.surface.pack);
+    source.onWhole = (size) => say(t('whole', { size: size ? format.bytes(size) : '?' }), { kind: 'whole' });
+    const { canvas, viewer } = await makeViewer(this.#stage, this.backend);
+    Object.assign(this, { canvas, viewer });
+    viewer.set_memory(this.memoryBytes);
+    this.facts = await openSurface(source, viewer, (isLost) => this.#showLost(isLost));
+    this.usual = JSON.parse(viewer.settings('{}'));
+    this.settings = this.usual;
+    const refused = [...this.#applyEach(settings), ...this.#applyView(view)];
+    this.#stream = new Stream(source, viewer, (what, detail) => this.#hear(what, detail));
+    this.#loop = new Loop(this.#stage, canvas, viewer, {
+      before: (dtS) => this.#hooks.before(dtS),
+      after: (again) => this.#after(again),
+      failed: (error) => this.#failed(error),
+    });
+    this.wake();
+    return refused;
+  }
+
+  wake() {
+    this.#loop?.wake();
+  }
+
+  drawNow() {
+    this.#loop.drawNow();
+  }
+
+  /** Whether the picture is what it should be and nothing moves. */
+  get isAtRest() {
+    return !this.#again && this.progress?.is_complete === true && this.#stream.inFlight === 0;
+  }
+
+  /** Changes settings; says why when the viewer refuses. */
+  change(settings) {
+    try {
+      this.settings = JSON.parse(this.viewer.settings(JSON.stringify(settings)));
+    } catch (error) {
+      say(t('refused', { why: error.message }), { kind: 'refused' });
+    }
+    this.wake();
+    return this.settings;
+  }
+
+  setMemory(bytes) {
+    this.memoryBytes = bytes;
+    this.viewer.set_memory(bytes);
+    this.wake();
+  }
+
+  close() {
+    this.#stream?.stop();
+    this.#loop?.stop();
+    try {
+      this.viewer?.free();
+    } catch {
+      // a viewer that has panicked cannot be freed, and need not be
+    }
+    this.viewer = null;
+  }
+
+  /** Settings from a link, one by one, so that one refused takes no other with it. */
+  #applyEach(settings) {
+    const refused = [];
+    const { mode, map, ...others } = settings;
+    const changes = [...Object.entries(others).map(([key, value]) => ({ [key]: value }))];
+    if (map) changes.push({ map });
+    if (mode !== undefined) changes.push({ mode });
+    for (const change of changes) {
+      try {
+        this.settings = JSON.parse(this.viewer.settings(JSON.stringify(change)));
+      } catch (error) {
+        refused.push(error.message);
+      }
+    }
+    return refused;
+  }
+
+  #applyView(view) {
+    if (view === null) return [];
+    try {
+      this.viewer.set_view(view);
+      return [];
+    } catch (error) {
+      return [error.message];
+    }
+  }
+
+  #after(again) {
+    this.#again = again;
+    this.#stream.pump();
+    this.progress = JSON.parse(this.viewer.progress());
+    this.#view = this.viewer.view();
+    this.#hooks.after(again);
+  }
+
+  #hear(what, detail) {
+    if (what === 'arrived') this.#hooks.arrived();
+    else if (what === 'damaged') say(t('damaged', { why: detail }), { kind: 'damaged' });
+    else if (what === 'lost' || what === 'back') this.#showLost(what === 'lost');
+    else this.#over(what, detail);
+    this.wake();
+  }
+
+  #showLost(isLost) {
+    const wasLost = document.querySelector('#messages [data-kind=lost]') !== null;
+    if (isLost && !wasLost) say(t('lost'), { kind: 'lost', stays: true });
+    if (isLost || !wasLost) return;
+    unsay('lost');
+    say(t('back'), { kind: 'back' });
+  }
+
+  /** The server has nothing more for this viewer; what is here stays on the screen. */
+  #over(what, detail) {
+    unsay('lost');
+    alarm(what === 'changed' ? t('changed') : t('missing', { why: detail }), 'reload', () => location.reload());
+  }
+
+  #failed(error) {
+    this.#stream.stop();
+    const why = error.message ?? String(error);
+    const words = /^device lost/i.test(why) ? t('gpu_lost') : t('broken', { why });
+    const { settings } = this;
+    const view = this.#view;
+    alarm(words, 'again', () => this.#hooks.lost(settings, view));
+  }
+}
