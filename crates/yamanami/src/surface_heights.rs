@@ -124,7 +124,7 @@ impl<'a> SurfaceHeights<'a> {
 
     fn patch(&self, level: u32, [x0, y0]: [u32; 2], [width, height]: [u32; 2]) -> Result<Patch, Error> {
         let store = match &self.source {
-            Source::Grid(grid) => return Ok(self.patch_of(*grid, level, [x0, y0], [width, height])),
+            Source::Grid(grid) => return Ok(self.patch_of(grid, level, [x0, y0], [width, height])),
             Source::Store(store) => *store,
             Source::Opened(store) => store,
         };

@@ -212,6 +212,11 @@ pub(crate) fn zooms(text: &str) -> Result<[u32; 2], String> {
     }
 }
 
+/// Pixels along a tile's side.
+pub(crate) fn tile_px(text: &str) -> Result<u32, String> {
+    text.parse().ok().filter(|n| [256, 512].contains(n)).ok_or_else(|| "expected 256 or 512".to_owned())
+}
+
 /// An address with a port; `localhost` is this computer.
 #[cfg(feature = "serve")]
 pub(crate) fn socket(text: &str) -> Result<std::net::SocketAddr, String> {

@@ -88,11 +88,11 @@ fn card(body: &mut String, served: &Served, language: Language) {
         // writing into a text cannot fail
         let _ = write!(links, "<a href=\"{tilejson}\">TileJSON</a>");
     }
-    let _ = write!(
+    let _ = writeln!(
         body,
         "<article><a class=\"picture\" href=\"/view/#s={name}\"><img src=\"/s/{name}/picture.png\" width=\"{width}\" \
          height=\"{height}\" loading=\"lazy\" alt=\"{}\"></a><h2><a href=\"/view/#s={name}\">{title}</a></h2>\
-         <p>{kind} · {}</p><nav>{links}</nav></article>\n",
+         <p>{kind} · {}</p><nav>{links}</nav></article>",
         match language {
             Language::English => format!("Picture of {title}"),
             Language::Japanese => format!("{title}の画像"),

@@ -171,8 +171,10 @@ async fn viewer_file(State(app): Shared, Path(file): Path<String>, headers: Head
 
 /// What the viewer's page shows: the same file as in a site of files.
 async fn site(State(app): Shared, headers: HeaderMap) -> Reply {
-    let surface =
-        |served: &Arc<Served>| crate::site::entry(served, &format!("../s/{}/surface.pack", served.name), true);
+    let surface = |served: &Arc<Served>| {
+        let at = |file: &str| format!("../s/{}/{file}", served.name);
+        crate::site::entry(served, &at("surface.pack"), &at("picture.png"))
+    };
     let surfaces: Vec<Value> = app.surfaces.all.iter().map(surface).collect();
     json_reply(&json!({ "surfaces": surfaces }), &headers)
 }

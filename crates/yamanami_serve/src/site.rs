@@ -1,6 +1,7 @@
 //! What the viewer's page is told to show, and the same as static files for any web host: page, program, data.
 
 use crate::error::ServeError;
+use crate::picture;
 use crate::surface::{Served, Surfaces};
 use crate::viewer::Viewer;
 use serde_json::{Value, json};
@@ -11,19 +12,17 @@ use yamanami::io::tiles::{TileFolder, TileOutput};
 /// The file that the viewer's page asks for first.
 pub(crate) const SITE: &str = "site.json";
 
-/// A surface as the page needs it: addresses are relative to the page. A server can do a few things more than files.
-pub(crate) fn entry(served: &Served, pack: &str, with_server: bool) -> Value {
-    let mut entry = json!({
+/// A surface as the page needs it: addresses are relative to the page.
+pub(crate) fn entry(served: &Served, pack: &str, picture: &str) -> Value {
+    json!({
         "name": served.name,
         "title": served.title,
         "kind": served.kind,
         "pack": pack,
+        "picture": picture,
+        "credit": served.info["facts"]["source"],
         "bytes": served.source.bytes(),
-    });
-    if with_server {
-        entry["info"] = format!("../s/{}/info.json", served.name).into();
-    }
-    entry
+    })
 }
 
 /// What a site takes.
@@ -60,8 +59,13 @@ pub fn write_site(
             put(name, &bytes.map_err(failed)?)?;
         }
     }
-    let file = |served: &Served| format!("{}.pack", served.name);
-    let entries: Vec<Value> = surfaces.all.iter().map(|served| entry(served, &file(served), false)).collect();
+    let [file, image] = ["pack", "png"].map(|ending| move |served: &Served| format!("{}.{ending}", served.name));
+    let mut entries = Vec::new();
+    for served in &surfaces.all {
+        let drawn = picture::draw(served).map_err(|fault| ServeError::System(std::io::Error::other(fault.line)))?;
+        put(&image(served), &drawn.bytes)?;
+        entries.push(entry(served, &file(served), &image(served)));
+    }
     put(SITE, serde_json::json!({ "surfaces": entries }).to_string().as_bytes())?;
     let total: u64 = surfaces.all.iter().map(|served| served.source.bytes()).sum();
     let mut done = 0;

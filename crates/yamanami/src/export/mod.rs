@@ -1,12 +1,13 @@
 //! Standard files for other programs' viewers: what all kinds share, and the way to each.
 
+mod geodetic;
 mod glb;
 mod model_cells;
 mod model_tiles;
 mod placement;
 mod quantized_mesh;
-mod site;
 mod terrain_rgb;
+mod terrain_tiles;
 mod tiles3d;
 mod tileset_files;
 
@@ -17,6 +18,7 @@ use crate::{Error, Model, Terrain};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
+use yamanami_io::dem::TileEncoding;
 
 /// What to write.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -31,8 +33,6 @@ pub enum ExportKind {
     TerrainRgb,
     /// One binary glTF.
     Glb,
-    /// A web page with the browser viewer and its data.
-    Site,
 }
 
 /// What is written.
@@ -72,6 +72,10 @@ pub struct ExportOptions {
     pub packing: GlbPacking,
     /// Most triangles of one glTF.
     pub budget_triangles: Option<u32>,
+    /// What the colours of terrain-rgb mean.
+    pub tile_encoding: TileEncoding,
+    /// Pixels along a side of terrain-rgb tiles.
+    pub tile_px: u32,
     /// Whether every sample is measured against what was written; slow.
     pub check: bool,
 }
@@ -87,6 +91,8 @@ impl Default for ExportOptions {
             geoid: GeoidChoice::default(),
             packing: GlbPacking::default(),
             budget_triangles: None,
+            tile_encoding: TileEncoding::TerrainRgb,
+            tile_px: 256,
             check: false,
         }
     }
@@ -147,7 +153,6 @@ pub fn export(kind: ExportKind, subject: ExportSubject<'_>, job: &ExportJob<'_>)
         ExportKind::QuantizedMesh => quantized_mesh::folder(subject, job),
         ExportKind::TerrainRgb => terrain_rgb::tiles(subject, job),
         ExportKind::Glb => glb::file(subject, job),
-        ExportKind::Site => site::folder(subject, job),
     }
 }
 

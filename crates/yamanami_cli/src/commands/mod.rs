@@ -38,6 +38,8 @@ mod reproduce;
 mod reproduce_hori;
 #[cfg(feature = "serve")]
 mod serve;
+#[cfg(feature = "serve")]
+mod site;
 mod tin;
 mod validate;
 mod validate_text;

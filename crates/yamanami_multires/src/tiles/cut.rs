@@ -135,9 +135,19 @@ impl Plane {
 impl<'a, D: TerrainData> Cutter<'a, D> {
     /// Prepares to cut a terrain that lies in tile space as `placement` says.
     pub fn new(surface: &'a TerrainSurface<D>, placement: &'a Placement, options: &CutOptions) -> Self {
-        let lattice = surface.numbers().lattice();
-        let plan = Plan::new(options, lattice.levels(), surface.geo().step_m, placement.spacing());
-        Self { data: surface.data(), lattice, placement, plan }
+        Self::over(surface.data(), surface.numbers().lattice(), surface.geo().step_m, placement, options)
+    }
+
+    /// The same for the parts of a surface: its data, lattice, and metres between samples.
+    pub fn over(
+        data: &'a D,
+        lattice: &'a Lattice,
+        step_m: [f64; 2],
+        placement: &'a Placement,
+        options: &CutOptions,
+    ) -> Self {
+        let plan = Plan::new(options, lattice.levels(), step_m, placement.spacing());
+        Self { data, lattice, placement, plan }
     }
 
     /// The tiles of a zoom that the terrain's bounds reach into, row by row from the south-west.
@@ -206,6 +216,7 @@ impl<'a, D: TerrainData> Cutter<'a, D> {
             quantum_m: limits.border_quantum_m,
             ..TilePiece::default()
         };
+        piece.renumber();
         piece.find_sides();
         Ok(piece)
     }

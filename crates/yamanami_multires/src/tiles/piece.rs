@@ -64,6 +64,22 @@ impl TilePiece {
         self.heights_m.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &z| [low.min(z), high.max(z)])
     }
 
+    /// Numbers vertices as they first appear and drops those that do not.
+    pub(super) fn renumber(&mut self) {
+        let mut number = vec![u32::MAX; self.places.len()];
+        let (mut places, mut heights_m) = (Vec::with_capacity(number.len()), Vec::with_capacity(number.len()));
+        for corner in self.triangles.iter_mut().flatten() {
+            let old = *corner as usize;
+            if number[old] == u32::MAX {
+                number[old] = places.len() as u32;
+                places.push(self.places[old]);
+                heights_m.push(self.heights_m[old]);
+            }
+            *corner = number[old];
+        }
+        (self.places, self.heights_m) = (places, heights_m);
+    }
+
     /// Lists the vertices on the sides.
     pub(super) fn find_sides(&mut self) {
         for (side, (axis, at)) in [(0, 0), (1, 0), (0, GRID), (1, GRID)].into_iter().enumerate() {

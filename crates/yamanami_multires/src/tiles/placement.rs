@@ -114,7 +114,7 @@ impl Placement {
     }
 
     /// Least distance of neighbouring samples in tile space, as far as it is looked at.
-    pub(crate) fn spacing(&self) -> f64 {
+    pub fn spacing(&self) -> f64 {
         let least = |values: &[f64]| values.windows(2).map(|w| (w[1] - w[0]).abs()).fold(f64::INFINITY, f64::min);
         match &self.0 {
             Kind::Axes { x, y } => least(x).min(least(y)),

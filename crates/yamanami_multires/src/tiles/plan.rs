@@ -70,7 +70,10 @@ impl Plan {
             })
             .collect();
         let relief_m = (options.height_range_m[1] - options.height_range_m[0]).max(1e-3);
-        let range_quantum_m = (relief_m * 1.001 / f64::from(super::GRID - 2)).log2().ceil().exp2();
+        // a tile's heights are steps of 16 bits from its lowest one, and its ends are told in single precision
+        let highest_m = options.height_range_m[0].abs().max(options.height_range_m[1].abs()) + relief_m;
+        let least_m = (relief_m * 1.001 / f64::from(super::GRID - 2)).max(highest_m * 2f64.powi(-23));
+        let range_quantum_m = least_m.log2().ceil().exp2();
         let error_m = |zoom: u32| options.tolerance_m * f64::from(last - zoom.min(last)).exp2();
         let zooms = (first..=last)
             .map(|zoom| {

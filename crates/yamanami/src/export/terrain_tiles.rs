@@ -1,0 +1,74 @@
+//! Tiles of an opened terrain, whether it is in memory or read by pages.
+
+use crate::{Data, Error, Terrain};
+use yamanami_multires::tiles::{CutOptions, CutScratch, Cutter, Placement, Tile, TilePiece};
+use yamanami_multires::wavelet::{GridData, PagedData};
+
+/// Bytes of pages that a terrain keeps between two batches of tiles.
+const PAGE_BYTES: usize = 256 << 20;
+
+/// Tiles cut between two looks at how much memory the pages take.
+pub(crate) const TILES_AT_ONCE: usize = 256;
+
+/// Cuts tiles out of a terrain; from several threads.
+#[derive(Debug)]
+pub(crate) struct TerrainTiles<'a> {
+    terrain: &'a Terrain,
+    cutter: Either<'a>,
+}
+
+#[derive(Debug)]
+enum Either<'a> {
+    Grid(Cutter<'a, GridData>),
+    Paged(Cutter<'a, PagedData>),
+}
+
+impl<'a> TerrainTiles<'a> {
+    pub(crate) fn new(terrain: &'a Terrain, placement: &'a Placement, options: &CutOptions) -> Self {
+        let surface = terrain.surface();
+        let (lattice, step_m) = (surface.numbers().lattice(), terrain.geo().step_m);
+        let cutter = match surface.data() {
+            Data::Grid(grid) => Either::Grid(Cutter::over(grid, lattice, step_m, placement, options)),
+            Data::Paged(pages) => Either::Paged(Cutter::over(pages, lattice, step_m, placement, options)),
+        };
+        Self { terrain, cutter }
+    }
+
+    /// The tiles of a zoom that the terrain's bounds reach into.
+    pub(crate) fn tiles(&self, zoom: u32) -> Vec<Tile> {
+        match &self.cutter {
+            Either::Grid(cutter) => cutter.tiles(zoom).collect(),
+            Either::Paged(cutter) => cutter.tiles(zoom).collect(),
+        }
+    }
+
+    /// Cuts a tile; reads the pages that it needs.
+    pub(crate) fn cut(&self, tile: Tile, scratch: &mut CutScratch) -> Result<TilePiece, Error> {
+        loop {
+            let cut = match &self.cutter {
+                Either::Grid(cutter) => cutter.cut(tile, scratch),
+                Either::Paged(cutter) => cutter.cut(tile, scratch),
+            };
+            let absent = match cut {
+                Ok(piece) => return Ok(piece),
+                Err(absent) => absent,
+            };
+            let (Data::Paged(pages), Some(store)) = (self.terrain.surface().data(), self.terrain.store()) else {
+                return Err(Error::Request("this terrain has lost its database".to_owned()));
+            };
+            let mut wanted: Vec<_> = absent.0.into_iter().flat_map(|node| pages.needed_pages(node)).collect();
+            wanted.sort_unstable();
+            wanted.dedup();
+            for id in wanted {
+                if pages.page(id).is_none() {
+                    pages.insert(store.page(id)?);
+                }
+            }
+        }
+    }
+}
+
+/// Drops what pages of a terrain are too many, between two batches.
+pub(crate) fn trim(terrain: &mut Terrain) {
+    terrain.shrink(PAGE_BYTES, |_| false);
+}
