@@ -84,6 +84,12 @@ pub fn quantized_mesh(bytes: &[u8], faults: &mut Faults) -> Option<QuantizedMesh
     for fault in own.0 {
         faults.0.push(fault);
     }
+    let mut is_used = vec![false; count];
+    tile.triangles.iter().flatten().for_each(|&k| is_used[k as usize] = true);
+    let unused = is_used.iter().filter(|used| !**used).count();
+    if unused > 0 {
+        faults.add("QM24", "triangles", "every vertex in a triangle", format!("{unused} of {count} in none"));
+    }
     if sides(&mut bytes, wide, &mut tile, faults) {
         extensions(bytes, &mut tile, faults);
     }
@@ -187,10 +193,6 @@ fn corners(bytes: &mut Bytes<'_>, wide: bool, tile: &mut QuantizedMesh, faults: 
             }
             whole = true;
         }
-    }
-    if sound && mark < limit {
-        let found = format!("{mark} of {limit} vertices");
-        faults.add("QM24", "triangles", "every vertex in a triangle", found);
     }
     sound
 }
