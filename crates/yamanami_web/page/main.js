@@ -3,12 +3,13 @@
 import { hearDrops } from './drop.js';
 import * as format from './format.js';
 import { toggleFull } from './full.js';
-import { readHash, writeHash } from './hash.js';
+import { readHash } from './hash.js';
 import { toggleHelp } from './help.js';
 import { currentLanguage, LANGUAGES, onLanguage, setLanguage, t, usualLanguage } from './i18n.js';
 import { listen } from './input.js';
 import { Keys } from './keys.js';
 import { Layers } from './layers.js';
+import { Link } from './link.js';
 import { Marks } from './marks.js';
 import { block, say } from './messages.js';
 import { Panel } from './panel.js';
@@ -22,16 +23,12 @@ import { Tools } from './tools.js';
 
 const MEMORY_BYTES = (navigator.deviceMemory ?? 4) < 4 ? 256 * 2 ** 20 : 512 * 2 ** 20;
 const ZOOM_STEP = 0.7;
-/** The address follows the view after it has rested so long. */
-const LINK_AFTER_MS = 400;
 
 class Page {
   stage = document.getElementById('stage');
   surfaces = [];
   session = null;
   drag = { moves: false };
-  #linkTimer = 0;
-  #isFresh = false;
 
   constructor() {
     this.panel = new Panel({
@@ -75,7 +72,7 @@ class Page {
   async start() {
     const link = readHash(location.hash);
     this.gpu = link.gpu;
-    this.language = link.language;
+    this.link = new Link(link);
     setLanguage(link.language ?? usualLanguage());
     try {
       this.surfaces = await readSite(new URL('site.json', location.href).href);
@@ -117,7 +114,6 @@ class Page {
       lost: (lastSettings, lastView) => this.#begin(surface, lastSettings, lastView),
     });
     this.session = session;
-    this.#isFresh = true;
     document.getElementById('title').textContent = surface.title;
     document.title = `${surface.title} – yamanami`;
     document.getElementById('credit').textContent = surface.credit;
@@ -163,8 +159,8 @@ class Page {
     this.panel.show(session.settings);
     this.tools.press('map', this.isMap());
     this.tools.press('fly', this.viewer?.is_fly() ?? false);
-    this.tools.offer('fly', !this.isMap());
-    this.#link();
+    this.tools.enable('fly', !this.isMap());
+    this.link.follow(this.session);
   }
 
   change(change) {
@@ -264,21 +260,9 @@ class Page {
     showProgress(progress);
     showStats(viewer, nowMs, !again);
     this.panel.showProgress(progress);
-    if (this.#isFresh || again) this.#link();
-    this.#isFresh = false;
+    if (!again) this.panel.show(this.session.refresh());
+    this.link.follow(this.session);
     if (isReading) setTimeout(() => this.wake(), 200);
-  }
-
-  /** The address follows what is shown. */
-  #link() {
-    clearTimeout(this.#linkTimer);
-    this.#linkTimer = setTimeout(() => {
-      const { surface, settings, usual, facts, viewer } = this.session;
-      if (!facts || !viewer) return;
-      const language = currentLanguage() === usualLanguage() && !this.language ? null : currentLanguage();
-      const hash = writeHash({ surface: surface.name, language, gpu: this.gpu, view: viewer.view(), settings, usual });
-      if (hash !== location.hash) history.replaceState(null, '', hash);
-    }, LINK_AFTER_MS);
   }
 
   async #savePicture() {

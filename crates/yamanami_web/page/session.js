@@ -21,6 +21,8 @@ export class Session {
   #stream = null;
   #loop = null;
   #view = null;
+  /** A view that was asked for before there was anything to see. */
+  #pending = null;
   #again = true;
 
   /** Hooks: before(dtS), after(again), arrived(), lost(again) - `again()` goes on at the same view. */
@@ -36,11 +38,12 @@ export class Session {
     source.onWhole = (size) => say(t('whole', { size: size ? format.bytes(size) : '?' }), { kind: 'whole' });
     const { canvas, viewer } = await makeViewer(this.#stage, this.backend);
     Object.assign(this, { canvas, viewer });
-    viewer.set_memory(this.memoryBytes);
     this.facts = await openSurface(source, viewer, (isLost) => this.#showLost(isLost));
+    viewer.set_memory(this.memoryBytes);
     this.usual = JSON.parse(viewer.settings('{}'));
     this.settings = this.usual;
-    const refused = [...this.#applyEach(settings), ...this.#applyView(view)];
+    this.#pending = view;
+    const refused = this.#applyEach(settings);
     this.#stream = new Stream(source, viewer, (what, detail) => this.#hear(what, detail));
     this.#loop = new Loop(this.#stage, canvas, viewer, {
       before: (dtS) => this.#hooks.before(dtS),
@@ -75,6 +78,17 @@ export class Session {
     return this.settings;
   }
 
+  /** The settings as they are: gestures change some. */
+  refresh() {
+    this.settings = JSON.parse(this.viewer.settings('{}'));
+    return this.settings;
+  }
+
+  /** The view, also while it waits for data. */
+  view() {
+    return this.#pending ?? this.viewer.view();
+  }
+
   setMemory(bytes) {
     this.memoryBytes = bytes;
     this.viewer.set_memory(bytes);
@@ -96,7 +110,7 @@ export class Session {
   #applyEach(settings) {
     const refused = [];
     const { mode, map, ...others } = settings;
-    const changes = [...Object.entries(others).map(([key, value]) => ({ [key]: value }))];
+    const changes = Object.entries(others).map(([key, value]) => ({ [key]: value }));
     if (map) changes.push({ map });
     if (mode !== undefined) changes.push({ mode });
     for (const change of changes) {
@@ -109,21 +123,25 @@ export class Session {
     return refused;
   }
 
-  #applyView(view) {
-    if (view === null) return [];
+  /** The camera stands where a link says as soon as there is something to stand over. */
+  #applyView() {
+    if (this.#pending === null || JSON.parse(this.viewer.view()).eye === undefined) return;
+    const view = this.#pending;
+    this.#pending = null;
     try {
       this.viewer.set_view(view);
-      return [];
     } catch (error) {
-      return [error.message];
+      say(t('link_ignored', { parts: error.message }), { kind: 'link' });
     }
+    this.wake();
   }
 
   #after(again) {
     this.#again = again;
+    this.#applyView();
     this.#stream.pump();
     this.progress = JSON.parse(this.viewer.progress());
-    this.#view = this.viewer.view();
+    this.#view = this.view();
     this.#hooks.after(again);
   }
 
