@@ -22,6 +22,8 @@ mod data;
 mod deformed;
 mod error;
 #[cfg(feature = "files")]
+mod export;
+#[cfg(feature = "files")]
 mod extract;
 #[cfg(feature = "files")]
 mod field;
@@ -33,6 +35,8 @@ mod flight_report;
 mod full_surface;
 #[cfg(feature = "files")]
 mod ground_image;
+#[cfg(feature = "files")]
+mod height_tiles;
 #[cfg(feature = "files")]
 mod hide;
 #[cfg(feature = "files")]
@@ -74,6 +78,8 @@ mod reproduce;
 mod scene;
 pub mod steer;
 mod subject;
+#[cfg(feature = "files")]
+mod surface_heights;
 mod terrain;
 #[cfg(feature = "files")]
 mod thin;
@@ -98,6 +104,8 @@ pub use deformed::{
 };
 pub use error::Error;
 #[cfg(feature = "files")]
+pub use export::{ExportJob, ExportKind, ExportOptions, ExportReport, ExportSubject, Fill, ZoomReport, export};
+#[cfg(feature = "files")]
 pub use extract::{Extracted, Frame, extract, to_frame};
 #[cfg(feature = "files")]
 pub use flight::{FlightMode, FlightOptions, FrameStats, fly};
@@ -107,6 +115,8 @@ pub use flight_report::{FlightSummary, summary, write_flight_plots};
 pub use full_surface::{FullSurface, finest_mesh};
 #[cfg(feature = "files")]
 pub use ground_image::{GroundImage, read_picture};
+#[cfg(feature = "files")]
+pub use height_tiles::{HeightTiles, MOST_ZOOM, halved};
 #[cfg(feature = "files")]
 pub use hide::{Closing, SeenSide, close, seen_side};
 #[cfg(feature = "files")]
@@ -142,6 +152,8 @@ pub use reduce::{DisplayNeed, POLYGONS_PER_PIXEL, Reduced, ReducedBy, display_ne
 pub use reproduce::hashida;
 pub use scene::{Lod, Scene, Update, morph_of};
 pub use subject::Subject;
+#[cfg(feature = "files")]
+pub use surface_heights::SurfaceHeights;
 #[cfg(feature = "files")]
 pub use terrain::OpenOptions;
 pub use terrain::Terrain;

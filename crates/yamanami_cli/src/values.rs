@@ -200,6 +200,31 @@ pub(crate) fn tile(text: &str) -> Result<[u32; 3], String> {
         .ok_or_else(|| "expected Z/X/Y of a tile, as 10/906/404".to_owned())
 }
 
+/// Deepest zoom that tiles are made of: some decimetres.
+const MOST_ZOOM: u32 = 24;
+
+/// Coarsest and finest zoom of a tile tree.
+pub(crate) fn zooms(text: &str) -> Result<[u32; 2], String> {
+    let (first, last) = text.split_once("..").unwrap_or((text, text));
+    match [first, last].map(str::parse::<u32>) {
+        [Ok(first), Ok(last)] if first <= last && last <= MOST_ZOOM => Ok([first, last]),
+        _ => Err(format!("expected zooms as A..B, from 0 to {MOST_ZOOM}")),
+    }
+}
+
+/// An address with a port; `localhost` is this computer.
+#[cfg(feature = "serve")]
+pub(crate) fn socket(text: &str) -> Result<std::net::SocketAddr, String> {
+    let of = text.strip_prefix("localhost:").map_or_else(|| text.to_owned(), |port| format!("127.0.0.1:{port}"));
+    of.parse().map_err(|_| "expected an address and a port like 127.0.0.1:8080".to_owned())
+}
+
+/// How many connections there may be.
+#[cfg(feature = "serve")]
+pub(crate) fn connections(text: &str) -> Result<usize, String> {
+    text.parse().ok().filter(|n| (1..=100_000).contains(n)).ok_or_else(|| "expected 1 to 100000".to_owned())
+}
+
 /// A finite number.
 pub(crate) fn number(text: &str) -> Result<f64, String> {
     text.trim().parse::<f64>().ok().filter(|v| v.is_finite()).ok_or_else(|| "expected a finite number".to_owned())

@@ -10,6 +10,7 @@ mod coast;
 mod compare;
 mod demo;
 mod demo_map;
+mod export;
 mod extract;
 mod flight_path;
 mod flight_text;
@@ -35,6 +36,8 @@ mod render;
 mod render_model;
 mod reproduce;
 mod reproduce_hori;
+#[cfg(feature = "serve")]
+mod serve;
 mod tin;
 mod view;
 mod view_map;
@@ -91,6 +94,9 @@ enum Command {
     Render(render::RenderArgs),
     Map(Box<map::MapArgs>),
     Extract(Box<extract::ExtractArgs>),
+    Export(Box<export::ExportArgs>),
+    #[cfg(feature = "serve")]
+    Serve(serve::ServeArgs),
     Reduce(Box<reduce::ReduceArgs>),
     Compare(compare::CompareArgs),
     Heights(heights::HeightsArgs),
@@ -119,6 +125,9 @@ impl Program {
             Command::Fly(args) => fly::run(args),
             Command::Render(args) => render::run(args),
             Command::Extract(args) => extract::run(args),
+            Command::Export(args) => export::run(args),
+            #[cfg(feature = "serve")]
+            Command::Serve(args) => serve::run(args),
             Command::Reduce(args) => reduce::run(args),
             Command::Compare(args) => compare::run(args),
             Command::Heights(args) => heights::run(args),
