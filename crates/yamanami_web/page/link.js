@@ -22,7 +22,7 @@ export class Link {
 
   #write(session) {
     const { surface, usual, facts, viewer } = session;
-    if (!facts || !viewer) return;
+    if (!facts || !viewer || session.isPending) return;
     const isUsual = currentLanguage() === usualLanguage() && !this.#first.language;
     const hash = writeHash({
       surface: surface.name,

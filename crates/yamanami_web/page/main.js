@@ -33,7 +33,7 @@ class Page {
   constructor() {
     this.panel = new Panel({
       change: (change) => this.change(change),
-      surface: (name) => this.show(name),
+      surface: (name) => this.#open({ ...readHash(''), surface: name }),
       files: (list) => this.addFiles(list),
       removeFile: (file) => this.removeFile(file),
       memory: (bytes) => this.session?.setMemory(bytes),
@@ -79,8 +79,8 @@ class Page {
     } catch (error) {
       return block(t('no_site'), error.message);
     }
-    if (this.surfaces.length === 0) return block(t('no_surfaces'));
-    await this.#open(link);
+    if (this.surfaces.length === 0) block(t('no_surfaces'));
+    else await this.#open(link);
   }
 
   /** Follows a link that was changed by hand or by going back. */
@@ -90,20 +90,16 @@ class Page {
     await this.#open(link);
   }
 
-  async show(name) {
-    await this.#open({ ...readHash(''), surface: name });
-  }
-
   async #open(link) {
     const surface = this.surfaces.find(({ name }) => name === link.surface) ?? this.surfaces[0];
     if (link.surface && surface.name !== link.surface) say(t('no_such_surface', { name: link.surface.slice(0, 60), other: surface.title }), { kind: 'surface' });
     if (link.ignored.length) say(t('link_ignored', { parts: link.ignored.join(', ') }), { kind: 'link' });
-    await this.#begin(surface, link.settings, link.view);
+    if (this.viewer && this.session.surface === surface) this.session.follow(link.settings, link.view);
+    else await this.#begin(surface, link.settings, link.view);
   }
 
   async #begin(surface, settings, view) {
     const old = this.session;
-    const isSame = old?.surface === surface;
     old?.close();
     document.querySelector('.blocked')?.remove();
     document.getElementById('alarm').hidden = true;
@@ -111,6 +107,8 @@ class Page {
       before: (dtS) => this.#before(dtS),
       after: (again) => this.#after(again),
       arrived: () => this.layers.stale(),
+      shown: (refused) => this.#shown(refused),
+      unreadable: (why) => this.#refuse(new Error(why)),
       lost: (lastSettings, lastView) => this.#begin(surface, lastSettings, lastView),
     });
     this.session = session;
@@ -119,14 +117,12 @@ class Page {
     document.getElementById('credit').textContent = surface.credit;
     showProgress(null);
     try {
-      const refused = await session.open(settings, view);
-      if (this.session !== session) return;
-      if (refused.length) say(t('link_ignored', { parts: refused.join('; ') }), { kind: 'link' });
+      await session.open(settings, view);
     } catch (error) {
       if (this.session === session) this.#refuse(error);
       return;
     }
-    this.#opened(session, isSame);
+    if (this.session === session) this.#opened(session, old?.surface === surface);
   }
 
   #opened(session, isSame) {
@@ -141,6 +137,12 @@ class Page {
     this.tools.offer('profile', facts.kind !== 'model');
     this.#told();
     this.stage.focus({ preventScroll: true });
+  }
+
+  /** The surface stands there: what the link asked for is in force. */
+  #shown(refused) {
+    if (refused.length) say(t('link_ignored', { parts: refused.join('; ') }), { kind: 'link' });
+    this.#told();
   }
 
   #refuse(error) {
