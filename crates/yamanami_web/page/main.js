@@ -7,7 +7,7 @@ import { readHash } from './hash.js';
 import { toggleHelp } from './help.js';
 import { currentLanguage, LANGUAGES, onLanguage, setLanguage, t, usualLanguage } from './i18n.js';
 import { listen } from './input.js';
-import { Keys } from './keys.js';
+import { driveMap, Keys } from './keys.js';
 import { Layers } from './layers.js';
 import { Link } from './link.js';
 import { Marks } from './marks.js';
@@ -136,11 +136,11 @@ class Page {
     this.tools.offer('map', facts.can_map);
     this.tools.offer('profile', facts.kind !== 'model');
     this.#told();
-    this.stage.focus({ preventScroll: true });
   }
 
   /** The surface stands there: what the link asked for is in force. */
   #shown(refused) {
+    window.yamanami.firstPictureMs ??= performance.now();
     if (refused.length) say(t('link_ignored', { parts: refused.join('; ') }), { kind: 'link' });
     this.#told();
   }
@@ -248,7 +248,8 @@ class Page {
 
   #before(dtS) {
     const drive = this.keys.drive();
-    if (drive) this.viewer.drive(drive.ahead, drive.aside, drive.up, drive.fast, dtS);
+    if (drive && this.isMap()) driveMap(this.session, drive, dtS);
+    else if (drive) this.viewer.drive(drive.ahead, drive.aside, drive.up, drive.fast, dtS);
     return drive !== null;
   }
 
@@ -270,7 +271,7 @@ class Page {
   async #savePicture() {
     const { surface, canvas } = this.session;
     const draw = () => {
-      this.viewer.set_view(this.viewer.view());
+      this.session.refresh();
       this.session.drawNow();
       this.drawMarks();
     };
@@ -296,4 +297,6 @@ window.yamanami = {
     return page.session?.isAtRest ?? false;
   },
   stats: () => JSON.parse(page.viewer.stats()),
+  /** When the first picture stood there, after the page was asked for. */
+  firstPictureMs: null,
 };

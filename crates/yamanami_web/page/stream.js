@@ -131,6 +131,7 @@ export class Stream {
       this.#tell('damaged', error.message ?? String(error));
     }
     this.#tell('arrived');
+    this.pump();
   }
 
   #fail(id, error) {
