@@ -24,9 +24,9 @@ export function makeData() {
   mkdirSync(PICTURES, { recursive: true });
   const folder = mkdtempSync(join(tmpdir(), 'yamanami-web-'));
   const file = (name) => join(folder, name);
-  run('generate', 'fractal', '-o', file('hills.tif'), '--size', '385x321', '--spacing', '30', '--seed', '5');
+  run('generate', 'fractal', '-o', file('hills.tif'), '--size', '769x641', '--spacing', '30', '--relief', '1500', '--seed', '5');
   run('build', file('hills.tif'), '-o', file('hills.yama'), '--crs', '32654');
-  run('generate', 'pagoda', '-o', file('pagoda.ply'), '--faces', '30000');
+  run('generate', 'pagoda', '-o', file('pagoda.ply'), '--faces', '8000');
   run('build', file('pagoda.ply'), '-o', file('pagoda.yama'));
   return { folder, file, remove: () => rmSync(folder, { recursive: true, force: true }) };
 }

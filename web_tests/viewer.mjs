@@ -138,8 +138,7 @@ describe('a terrain', () => {
       await page.evaluate(() => window.yamanami.page.wake());
       await page.waitForFunction(() => window.yamanami.isAtRest && JSON.parse(window.yamanami.viewer.pick(450, 300)).exact);
       const found = await page.evaluate(() => JSON.parse(window.yamanami.viewer.pick(450, 300)));
-      const [exact] = JSON.parse(run('heights', data.file('hills.tif'), '--crs', '32654', '--at', found.source.join(','), '--json')).points ?? [];
-      console.log('height', found.height_m, exact);
+      const [exact] = JSON.parse(run('heights', data.file('hills.tif'), '--crs', '32654', '--at', found.source.join(','), '--json'));
       assert.ok(Math.abs(found.height_m - exact.height_m) < 0.6, `${found.height_m} ${exact.height_m}`);
       await page.mouse.move(450, 300);
       await page.waitForFunction(() => /height/.test(document.getElementById('readout').textContent));
@@ -160,7 +159,8 @@ describe('a terrain', () => {
       const line = ends.map((end) => end.join(',')).join(' ');
       const section = JSON.parse(run('profile', data.file('hills.tif'), '--crs', '32654', '--line', line, '--json'));
       const [low, high] = [Math.min(...profile.height_m), Math.max(...profile.height_m)];
-      console.log('profile', low, high, section.min_m, section.max_m, section.length_m, profile.distance_m.at(-1));
+      assert.ok(Math.abs(section.length_m - profile.distance_m.at(-1)) < 0.5, `${section.length_m} ${profile.distance_m.at(-1)}`);
+      assert.ok(Math.abs(section.lowest_m - low) < 2 && Math.abs(section.highest_m - high) < 2, `${section.lowest_m} ${low} ${section.highest_m} ${high}`);
       assert.match(await page.textContent('#profile-facts'), /data every 30 m/);
       assert.equal(await page.locator('#plot svg .line').count(), 1);
       await page.screenshot({ path: join(PICTURES, 'profile.png') });

@@ -23,7 +23,6 @@ import { Tools } from './tools.js';
 
 const MEMORY_BYTES = (navigator.deviceMemory ?? 4) < 4 ? 256 * 2 ** 20 : 512 * 2 ** 20;
 const ZOOM_STEP = 0.7;
-
 class Page {
   stage = document.getElementById('stage');
   surfaces = [];
@@ -290,12 +289,8 @@ const ready = page.start();
 window.yamanami = {
   ready,
   page,
-  get viewer() {
-    return page.viewer;
-  },
-  get isAtRest() {
-    return page.session?.isAtRest ?? false;
-  },
+  get viewer() { return page.viewer; },
+  get isAtRest() { return page.session?.isAtRest ?? false; },
   stats: () => JSON.parse(page.viewer.stats()),
   /** When the first picture stood there, after the page was asked for. */
   firstPictureMs: null,
