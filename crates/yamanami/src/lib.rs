@@ -88,6 +88,8 @@ mod tin;
 #[cfg(feature = "files")]
 mod tin_draw;
 #[cfg(feature = "files")]
+mod validate;
+#[cfg(feature = "files")]
 mod wavelet;
 #[cfg(feature = "files")]
 mod yama;
@@ -104,7 +106,10 @@ pub use deformed::{
 };
 pub use error::Error;
 #[cfg(feature = "files")]
-pub use export::{ExportJob, ExportKind, ExportOptions, ExportReport, ExportSubject, Fill, ZoomReport, export};
+pub use export::{
+    ExportJob, ExportKind, ExportOptions, ExportReport, ExportSubject, Fill, GeoidChoice, GlbPacking, HeightKind,
+    ZoomReport, export,
+};
 #[cfg(feature = "files")]
 pub use extract::{Extracted, Frame, extract, to_frame};
 #[cfg(feature = "files")]
@@ -163,6 +168,8 @@ pub use thin::{ThinBy, ThinLevel, thin};
 pub use tin::{GroundOptions, ReadGround, is_tin_file, read_ground};
 #[cfg(feature = "files")]
 pub use tin_draw::{Culling, DrawCounts, TinDrawing, seen_triangles};
+#[cfg(feature = "files")]
+pub use validate::{CrackRow, ErrorRow, Finding, RULES, Rule, Severity, ValidateOptions, ValidateReport, validate};
 #[cfg(feature = "files")]
 pub use wavelet::{
     Approximation, DateModel, Fullness, KEPT_SHARES, SemiRegularModel, WaveletModel, WaveletRow, WaveletStudy, date,

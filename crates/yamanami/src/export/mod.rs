@@ -1,10 +1,17 @@
 //! Standard files for other programs' viewers: what all kinds share, and the way to each.
 
 mod glb;
+mod model_cells;
+mod model_tiles;
+mod placement;
 mod quantized_mesh;
 mod site;
 mod terrain_rgb;
 mod tiles3d;
+mod tileset_files;
+
+pub use placement::{GeoidChoice, HeightKind};
+pub use yamanami_io::tiles::glb::GlbPacking;
 
 use crate::{Error, Model, Terrain};
 use std::fmt::Write;
@@ -57,13 +64,31 @@ pub struct ExportOptions {
     pub fill: Fill,
     /// Whether vertices carry normals.
     pub normals: bool,
+    /// From where the source's heights count; else as it says, or from the ellipsoid.
+    pub heights: Option<HeightKind>,
+    /// The geoid from which they count.
+    pub geoid: GeoidChoice,
+    /// How glTF is packed.
+    pub packing: GlbPacking,
+    /// Most triangles of one glTF.
+    pub budget_triangles: Option<u32>,
     /// Whether every sample is measured against what was written; slow.
     pub check: bool,
 }
 
 impl Default for ExportOptions {
     fn default() -> Self {
-        Self { tolerance_m: None, zooms: None, fill: Fill::At(0.0), normals: false, check: false }
+        Self {
+            tolerance_m: None,
+            zooms: None,
+            fill: Fill::At(0.0),
+            normals: false,
+            heights: None,
+            geoid: GeoidChoice::default(),
+            packing: GlbPacking::default(),
+            budget_triangles: None,
+            check: false,
+        }
     }
 }
 

@@ -9,7 +9,10 @@ use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use std::time::Instant;
-use yamanami::{ExportJob, ExportKind, ExportOptions, ExportReport, ExportSubject, Fill, ZoomReport, export};
+use yamanami::{
+    ExportJob, ExportKind, ExportOptions, ExportReport, ExportSubject, Fill, GeoidChoice, GlbPacking, HeightKind,
+    ZoomReport, export,
+};
 
 /// Write tiles for other viewers: 3D Tiles, quantized-mesh, terrain-rgb, glb, or a web site
 #[derive(Debug, Args)]
@@ -17,6 +20,11 @@ use yamanami::{ExportJob, ExportKind, ExportOptions, ExportReport, ExportSubject
 Examples:
   yamanami export dem.tif --to quantized-mesh -o tiles        for CesiumJS and others: a folder with layer.json
   yamanami export dem.yama --to quantized-mesh --tolerance 2 --zooms 0..14 --normals -o tiles
+  yamanami export dem.tif --to 3dtiles --heights orthometric -o tiles
+                                                on the globe; heights above the sea become ellipsoidal by EGM96
+  yamanami export scan.yama --to 3tz -o scan.3tz              a scan, every triangle of it, in one archive
+  yamanami export scan.ply --to glb --budget 100000 -o scan.glb
+                                                100,000 triangles, packed small
 
 A tile tree appears whole under its name; a run that was stopped goes on where it was when it is called again.")]
 pub(crate) struct ExportArgs {
@@ -29,7 +37,7 @@ pub(crate) struct ExportArgs {
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     /// No sample is further than so many metres from the finest zoom; each coarser one may be twice as far off. Default: a
-    /// quarter of the samples' spacing
+    /// quarter of the samples' spacing; of a scan or TIN every triangle
     #[arg(long, value_name = "M", value_parser = values::positive, help_heading = "How fine")]
     tolerance: Option<f64>,
     /// Coarsest and finest zoom. Default: all that the data ask for
@@ -41,6 +49,21 @@ pub(crate) struct ExportArgs {
     /// Give vertices normals
     #[arg(long)]
     normals: bool,
+    /// Most triangles of a glb
+    #[arg(long, value_name = "N", help_heading = "How fine")]
+    budget: Option<u32>,
+    /// From where the source's heights count. Default: as the source says, else from the ellipsoid
+    #[arg(long, value_enum, value_name = "KIND", help_heading = "Heights")]
+    heights: Option<HeightsName>,
+    /// The geoid, as an elevation file of its heights above the ellipsoid by longitude and latitude. Default: EGM96
+    #[arg(long, value_name = "FILE", conflicts_with = "geoid_offset_m", help_heading = "Heights")]
+    geoid: Option<PathBuf>,
+    /// The geoid as so many metres above the ellipsoid everywhere
+    #[arg(long, value_name = "M", allow_hyphen_values = true, value_parser = values::number, help_heading = "Heights")]
+    geoid_offset_m: Option<f64>,
+    /// How glTF is packed
+    #[arg(long, value_enum, value_name = "KIND", default_value = "meshopt")]
+    packing: PackingName,
     /// Measure every sample against what was written; a broken promise is a failure
     #[arg(long, help_heading = "Results")]
     check: bool,
@@ -66,6 +89,26 @@ enum KindName {
     Glb,
     /// A web page with the browser viewer and its data
     Site,
+}
+
+/// Names of what heights count from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum HeightsName {
+    /// The ellipsoid, as satellite receivers measure
+    Ellipsoidal,
+    /// The geoid: above the sea, as maps have them
+    Orthometric,
+}
+
+/// Names of packings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum PackingName {
+    /// Single precision, for any reader
+    Plain,
+    /// Small integers (KHR_mesh_quantization)
+    Quantised,
+    /// Those, coded (EXT_meshopt_compression)
+    Meshopt,
 }
 
 impl KindName {
@@ -97,6 +140,21 @@ pub(crate) fn run(args: &ExportArgs) -> Result<(), Failure> {
         zooms: args.zooms,
         fill: args.fill_m,
         normals: args.normals,
+        heights: args.heights.map(|kind| match kind {
+            HeightsName::Ellipsoidal => HeightKind::Ellipsoidal,
+            HeightsName::Orthometric => HeightKind::Orthometric,
+        }),
+        geoid: match (&args.geoid, args.geoid_offset_m) {
+            (Some(path), _) => GeoidChoice::File(path.clone()),
+            (None, Some(height_m)) => GeoidChoice::Constant(height_m),
+            (None, None) => GeoidChoice::Egm96,
+        },
+        packing: match args.packing {
+            PackingName::Plain => GlbPacking::Plain,
+            PackingName::Quantised => GlbPacking::Quantised,
+            PackingName::Meshopt => GlbPacking::Meshopt,
+        },
+        budget_triangles: args.budget,
         check: args.check,
     };
     let mut opened = inputs::subject(&args.source)?;

@@ -39,6 +39,8 @@ mod reproduce_hori;
 #[cfg(feature = "serve")]
 mod serve;
 mod tin;
+mod validate;
+mod validate_text;
 mod view;
 mod view_map;
 mod volume;
@@ -103,6 +105,7 @@ enum Command {
     Profile(profile::ProfileArgs),
     Tin(tin::TinArgs),
     Volume(volume::VolumeArgs),
+    Validate(validate::ValidateArgs),
     Generate(generate::GenerateArgs),
     Remesh(remesh::RemeshCommand),
     Wavelet(wavelet::WaveletArgs),
@@ -135,6 +138,7 @@ impl Program {
             Command::Profile(args) => profile::run(args),
             Command::Tin(args) => tin::run(args),
             Command::Volume(args) => volume::run(args),
+            Command::Validate(args) => validate::run(args),
             Command::Generate(args) => generate::run(args),
             Command::Remesh(args) => remesh::run(args),
             Command::Wavelet(args) => wavelet::run(args),

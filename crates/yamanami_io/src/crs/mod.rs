@@ -4,6 +4,9 @@
 //! elevation data of Japan and of world-wide products come in. Conversions stay within a system's own datum.
 
 mod azimuthal;
+mod ecef;
+#[cfg(feature = "files")]
+mod geoid;
 mod metric;
 mod table;
 mod transverse_mercator;
@@ -11,6 +14,9 @@ mod warp;
 mod well_known;
 
 pub use azimuthal::AzimuthalPlane;
+pub use ecef::{LevelFrame, ecef_from_geographic, geographic_from_ecef};
+#[cfg(feature = "files")]
+pub use geoid::Geoid;
 pub use metric::metric_crs_at;
 use table::Projection;
 pub use warp::GridWarp;

@@ -31,6 +31,25 @@ pub(super) fn check_size(path: &Path, mesh: &TriangleMesh) -> std::result::Resul
     Ok(())
 }
 
+/// All that comes before the bytes of the buffer: a document and the length of what follows, if anything.
+pub(crate) fn glb_head(mut text: String, buffer: usize) -> Vec<u8> {
+    while !text.len().is_multiple_of(4) {
+        text.push(' ');
+    }
+    let mut head = b"glTF".to_vec();
+    let chunk = if buffer > 0 { 8 + buffer } else { 0 };
+    for word in [2, 12 + 8 + text.len() + chunk, text.len()] {
+        head.extend((word as u32).to_le_bytes());
+    }
+    head.extend(b"JSON");
+    head.extend(text.into_bytes());
+    if buffer > 0 {
+        head.extend((buffer as u32).to_le_bytes());
+        head.extend(b"BIN\0");
+    }
+    head
+}
+
 /// Turns z up into y up.
 fn y_up<T>([x, y, z]: [T; 3]) -> [T; 3]
 where
@@ -143,20 +162,10 @@ pub(super) fn write(out: &mut dyn Write, mesh: &TriangleMesh, meta: &MeshMeta) -
         document["images"] = json!(painted.images);
         document["textures"] = json!((0..painted.pictures.len()).map(|k| json!({"source": k})).collect::<Vec<_>>());
     }
-    let mut text = document.to_string();
-    while !text.len().is_multiple_of(4) {
-        text.push(' ');
-    }
-    let total = u32::try_from(12 + 8 + text.len() + 8 + layout.length)
+    let text = document.to_string();
+    u32::try_from(text.len() + layout.length + 64)
         .map_err(|_| std::io::Error::other("a GLB file holds less than 4 GiB"))?;
-    out.write_all(b"glTF")?;
-    for word in [2, total, text.len() as u32] {
-        out.write_all(&word.to_le_bytes())?;
-    }
-    out.write_all(b"JSON")?;
-    out.write_all(text.as_bytes())?;
-    out.write_all(&(layout.length as u32).to_le_bytes())?;
-    out.write_all(b"BIN\0")?;
+    out.write_all(&glb_head(text, layout.length))?;
     let positions = mesh.positions.iter().map(|&p| local(p).to_array());
     for vector in positions.chain(mesh.normals.iter().map(|&n| y_up(n))) {
         floats(out, &vector)?;
@@ -164,7 +173,7 @@ pub(super) fn write(out: &mut dyn Write, mesh: &TriangleMesh, meta: &MeshMeta) -
     for texcoord in &mesh.texcoords {
         floats(out, texcoord)?;
     }
-    let linear: Vec<u16> = (0..=255).map(|byte| (srgb::linear_of_byte(byte) * 65535.0).round() as u16).collect();
+    let linear: Vec<u16> = (0..=255).map(srgb::linear_word_of_byte).collect();
     for &[r, g, b, a] in &mesh.colours {
         let words = [linear[usize::from(r)], linear[usize::from(g)], linear[usize::from(b)], u16::from(a) * 257];
         for word in words {

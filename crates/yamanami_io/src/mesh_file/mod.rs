@@ -44,9 +44,11 @@ pub use stream::{MeshStream, TriangleSink, VertexRun, VertexSink};
 
 use crate::IoError;
 use companions::Pictures;
+pub(crate) use glb_write::glb_head;
 pub use meshopt_decode::{MeshoptFilter, MeshoptMode, decode_meshopt};
 use origin::Origin;
 use packing::Packing;
+pub(crate) use srgb::linear_word_of_byte;
 use std::path::Path;
 use yamanami_core::TriangleMesh;
 
@@ -72,12 +74,12 @@ impl MeshMeta {
 }
 
 /// Writes a file of these bytes; it appears whole or not at all.
-pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), IoError> {
+pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), IoError> {
     atomic::write(path, Packing::None, |out| out.write_all(bytes))
 }
 
 /// Text without line breaks or other control characters.
-fn one_line(text: &str) -> String {
+pub(crate) fn one_line(text: &str) -> String {
     text.split(char::is_control).filter(|part| !part.is_empty()).collect::<Vec<_>>().join(" ")
 }
 

@@ -15,6 +15,11 @@ pub(super) fn linear_of_byte(byte: u8) -> f64 {
     if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
 }
 
+/// The same in sixteen bits.
+pub(crate) fn linear_word_of_byte(byte: u8) -> u16 {
+    (linear_of_byte(byte) * 65535.0).round() as u16
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

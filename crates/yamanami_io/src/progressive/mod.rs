@@ -128,7 +128,7 @@ pub fn is_progressive(path: &Path) -> Result<bool, IoError> {
 
 /// Writes a file of these bytes; it appears whole or not at all.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), IoError> {
-    crate::mesh_file::write_whole(path, bytes)
+    crate::mesh_file::write_file(path, bytes)
 }
 
 fn bad_request(expected: &str, given: String) -> IoError {

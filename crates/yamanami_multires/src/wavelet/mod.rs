@@ -22,6 +22,9 @@ mod triangle;
 
 pub(crate) use errors::charge_three;
 pub(crate) use template::{ALL, Config, TEMPLATES};
+#[cfg(test)]
+pub(crate) use triangle::adjacent;
+pub(crate) use triangle::{Triangle, doubled_area};
 
 pub use build::{BuildOptions, build};
 pub use data::{GridData, TerrainData};

@@ -1,0 +1,383 @@
+//! One tile of a terrain.
+
+use super::border::Side;
+use super::clip::{Corner, Place, area, clip, ears};
+use super::piece::{GRID, Tile, TilePiece};
+use super::placement::Placement;
+use super::plan::{CutOptions, Plan, ZoomPlan};
+use super::table::Table;
+use super::walk::{Ground, Item, Lines};
+use crate::wavelet::{TerrainData, TerrainSurface};
+use yamanami_core::{Lattice, LatticeNode};
+
+/// Cuts any tile out of a terrain, on demand and by itself: what a tile is depends on the terrain and the options alone.
+#[derive(Debug)]
+pub struct Cutter<'a, D> {
+    data: &'a D,
+    lattice: &'a Lattice,
+    placement: &'a Placement,
+    plan: Plan,
+}
+
+/// Midpoints, some of each page, that a tile needs and that are not in memory: load their pages and cut again.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Absent(pub Vec<LatticeNode>);
+
+/// Memory that cutting can use again.
+#[derive(Debug, Default)]
+pub struct CutScratch {
+    vertices: Table,
+    flags: Table,
+    items: Vec<Item>,
+    absent: Vec<LatticeNode>,
+    sheet: Sheet,
+    polygon: Vec<Corner>,
+}
+
+/// Vertices and triangles while they come.
+#[derive(Debug, Default)]
+struct Sheet {
+    places: Vec<[u16; 2]>,
+    heights_m: Vec<f64>,
+    /// Where vertices are before they are put on the lattice (in its steps), and how high before they are rounded.
+    exact: Vec<[f64; 3]>,
+    triangles: Vec<[u32; 3]>,
+    /// By triangle: how far its heights are from those of the front at its corners, metres.
+    off_m: Vec<f32>,
+    /// By vertex, the greatest of its triangles: the front's error, and what the triangles' edges have moved, as a
+    /// difference in height. Metres.
+    error_m: Vec<f32>,
+    moved_m: Vec<f32>,
+}
+
+impl Sheet {
+    fn clear(&mut self) {
+        self.places.clear();
+        self.heights_m.clear();
+        self.exact.clear();
+        self.triangles.clear();
+        self.off_m.clear();
+        self.error_m.clear();
+        self.moved_m.clear();
+    }
+
+    fn push(&mut self, place: [u16; 2], height_m: f64, exact: [f64; 3]) -> u32 {
+        self.places.push(place);
+        self.heights_m.push(height_m);
+        self.exact.push(exact);
+        self.error_m.push(0.0);
+        self.moved_m.push(0.0);
+        self.places.len() as u32 - 1
+    }
+
+    fn ints(&self, vertex: u32) -> [i32; 2] {
+        self.places[vertex as usize].map(i32::from)
+    }
+
+    /// Adds a triangle of the front's triangle with these `exact` corners.
+    fn add(&mut self, corners: [u32; 3], exact: &Plane, error_m: f32) {
+        self.triangles.push(corners);
+        let (mut off_m, mut moved) = (0f64, [0f64; 2]);
+        for &v in &corners {
+            let v = v as usize;
+            let place = self.places[v].map(f64::from);
+            off_m = off_m.max((self.heights_m[v] - exact.at(place)).abs());
+            for axis in 0..2 {
+                moved[axis] = moved[axis].max((place[axis] - self.exact[v][axis]).abs());
+            }
+        }
+        let moved_m = (exact.slope[0].abs() * moved[0] + exact.slope[1].abs() * moved[1]) as f32;
+        self.off_m.push(off_m as f32);
+        for &v in &corners {
+            let v = v as usize;
+            self.error_m[v] = self.error_m[v].max(error_m);
+            self.moved_m[v] = self.moved_m[v].max(moved_m);
+        }
+    }
+
+    /// No sample is further from the mesh. A sample in a triangle of the mesh lies in the triangle of the front that became
+    /// it, or in a neighbour, beyond an edge that was moved.
+    fn bound_m(&self) -> f64 {
+        let worst = |corners: &[u32; 3], of: &[f32]| corners.iter().map(|&v| of[v as usize]).fold(0.0, f32::max);
+        let bounds = self
+            .triangles
+            .iter()
+            .zip(&self.off_m)
+            .map(|(corners, off_m)| worst(corners, &self.error_m) + off_m + 2.0 * worst(corners, &self.moved_m));
+        // sums of three numbers in f32
+        f64::from(bounds.fold(0.0, f32::max)) * (1.0 + 1e-6)
+    }
+}
+
+/// The plane through three points: steps of the tile's lattice, and metres.
+struct Plane {
+    from: [f64; 3],
+    slope: [f64; 2],
+}
+
+impl Plane {
+    fn through([a, b, c]: [[f64; 3]; 3]) -> Self {
+        let (p, q) = ([0, 1, 2].map(|k| b[k] - a[k]), [0, 1, 2].map(|k| c[k] - a[k]));
+        let area = p[0] * q[1] - q[0] * p[1];
+        let slope = if area == 0.0 {
+            [0.0; 2]
+        } else {
+            [(p[2] * q[1] - q[2] * p[1]) / area, (q[2] * p[0] - p[2] * q[0]) / area]
+        };
+        Self { from: a, slope }
+    }
+
+    fn at(&self, [u, v]: [f64; 2]) -> f64 {
+        self.from[2] + self.slope[0] * (u - self.from[0]) + self.slope[1] * (v - self.from[1])
+    }
+}
+
+impl<'a, D: TerrainData> Cutter<'a, D> {
+    /// Prepares to cut a terrain that lies in tile space as `placement` says.
+    pub fn new(surface: &'a TerrainSurface<D>, placement: &'a Placement, options: &CutOptions) -> Self {
+        let lattice = surface.numbers().lattice();
+        let plan = Plan::new(options, lattice.levels(), surface.geo().step_m, placement.spacing());
+        Self { data: surface.data(), lattice, placement, plan }
+    }
+
+    /// The tiles of a zoom that the terrain's bounds reach into, row by row from the south-west.
+    pub fn tiles(&self, zoom: u32) -> impl Iterator<Item = Tile> + use<D> {
+        let scale = f64::from(1u32 << zoom);
+        let [x, y] = self.placement.bounds().map(|[low, high]| {
+            let first = (low * scale).floor().max(0.0) as u32;
+            (first, ((high * scale).ceil() as u32).max(first + 1))
+        });
+        (y.0..y.1).flat_map(move |y| (x.0..x.1).map(move |x| Tile { zoom, x, y }))
+    }
+
+    /// From this zoom on, borders are the same lines in all zooms; between coarser ones they may gape by an eighth of the
+    /// coarser tile's error.
+    pub fn closed_from(&self) -> u32 {
+        self.plan.closed
+    }
+
+    /// Coarsest and finest zoom.
+    pub fn zooms(&self) -> [u32; 2] {
+        [self.plan.first, self.plan.last]
+    }
+
+    /// Cuts a tile of one of the zooms.
+    pub fn cut(&self, tile: Tile, scratch: &mut CutScratch) -> Result<TilePiece, Absent> {
+        let CutScratch { vertices, flags, items, absent, sheet, polygon } = scratch;
+        vertices.clear();
+        flags.clear();
+        items.clear();
+        absent.clear();
+        sheet.clear();
+        let ground = Ground::new(self.data, self.lattice, self.placement, &self.plan);
+        let limits = self.plan.zoom(tile.zoom);
+        let scale = f64::from(1u32 << tile.zoom);
+        let sides = Side::all(tile, &self.plan);
+        let square = [[sides[0].at, sides[2].at], [sides[1].at, sides[3].at]];
+        ground.items(limits, scale, &square, items, absent);
+        let mut job = Job { ground: &ground, limits, tile, scale, sides: &sides, vertices, flags, sheet, polygon };
+        job.flag(items);
+        for item in items.iter() {
+            match *item {
+                Item::Whole(t, deep) => {
+                    let lines = if deep { Lines::None } else { Lines::Scale(scale) };
+                    ground.whole(t, limits, lines, absent, &mut |corners, level, error_m| {
+                        job.whole(corners, self.plan.sagitta_m[level as usize] as f32 + error_m);
+                    });
+                }
+                Item::Single(corners, level, error_m, false) => {
+                    job.whole(corners, self.plan.sagitta_m[level as usize] as f32 + error_m);
+                }
+                Item::Single(corners, level, error_m, true) => {
+                    job.clipped(corners, self.plan.sagitta_m[level as usize] as f32 + error_m, absent);
+                }
+            }
+        }
+        if !absent.is_empty() {
+            absent.sort_unstable();
+            absent.dedup();
+            return Err(Absent(std::mem::take(absent)));
+        }
+        let mut piece = TilePiece {
+            error_m: sheet.bound_m(),
+            places: std::mem::take(&mut sheet.places),
+            heights_m: std::mem::take(&mut sheet.heights_m),
+            triangles: std::mem::take(&mut sheet.triangles),
+            quantum_m: limits.border_quantum_m,
+            ..TilePiece::default()
+        };
+        piece.find_sides();
+        Ok(piece)
+    }
+}
+
+/// One tile's work.
+struct Job<'a, 'g, D> {
+    ground: &'a Ground<'g, D>,
+    limits: &'a ZoomPlan,
+    tile: Tile,
+    scale: f64,
+    sides: &'a [Side; 4],
+    vertices: &'a mut Table,
+    /// By sample: the sides, as bits, that a triangle at it touches.
+    flags: &'a mut Table,
+    sheet: &'a mut Sheet,
+    polygon: &'a mut Vec<Corner>,
+}
+
+const LAST: i64 = GRID as i64;
+
+impl<D: TerrainData> Job<'_, '_, D> {
+    fn number(&self, [column, row]: [u32; 2]) -> u64 {
+        u64::from(row) * u64::from(self.ground.lattice.width()) + u64::from(column)
+    }
+
+    /// Marks the corners of triangles at sides with a coarser lattice: they are put on its steps in the direction of the
+    /// side. So what is parallel to it stays so, and no triangle turns over.
+    fn flag(&mut self, items: &[Item]) {
+        if self.sides.iter().all(|side| side.stride() == 1) {
+            return;
+        }
+        for item in items {
+            let Item::Single(corners, _, _, true) = *item else { continue };
+            let at = corners.map(|sample| self.ground.placement.place(sample));
+            for (k, side) in self.sides.iter().enumerate().filter(|(_, side)| side.stride() > 1) {
+                let touches = at.iter().any(|p| p[side.axis] <= side.at) && at.iter().any(|p| p[side.axis] >= side.at);
+                if touches {
+                    for number in corners.map(|sample| self.number(sample)) {
+                        *self.flags.entry(number, || 0) |= 1 << k;
+                    }
+                }
+            }
+        }
+    }
+
+    fn local(&self, place: [f64; 2]) -> [f64; 2] {
+        [(place[0], self.tile.x), (place[1], self.tile.y)]
+            .map(|(at, index)| (at * self.scale - f64::from(index)) * f64::from(GRID))
+    }
+
+    /// The vertex of a sample in the tile or on its sides.
+    fn sample(&mut self, sample: [u32; 2], absent: &mut Vec<LatticeNode>) -> u32 {
+        let number = self.number(sample);
+        if let Some(vertex) = self.vertices.get(number) {
+            return vertex;
+        }
+        let at = self.ground.placement.place(sample);
+        let exact = self.local(at);
+        if let Some(k) = (0..4).find(|&k| at[self.sides[k].axis] == self.sides[k].at) {
+            let along = at[1 - self.sides[k].axis];
+            let vertex = self.step(k, self.sides[k].snap(along), absent);
+            return *self.vertices.entry(number, || vertex);
+        }
+        let flags = if self.flags.is_empty() { 0 } else { self.flags.get(number).unwrap_or(0) };
+        let place = [0, 1].map(|axis| {
+            // the sides that run along this axis
+            let along = |k: usize| Some(&self.sides[k]).filter(|_| flags & 1 << k != 0);
+            let [a, b] = if axis == 0 { [along(1), along(3)] } else { [along(0), along(2)] };
+            let coarsest = a.into_iter().chain(b).max_by_key(|side| side.stride());
+            let step = coarsest.map_or_else(|| exact[axis].round() as i64, |side| side.nearest(at[axis]));
+            // what is inside stays strictly so: the vertices on the sides are for both tiles to agree on
+            step.clamp(1, LAST - 1) as u16
+        });
+        let z = f64::from(self.ground.data.sample_height_m(sample[0], sample[1]));
+        let quantum_m = self.limits.inner_quantum_m;
+        let vertex = self.sheet.push(place, (z / quantum_m).round() * quantum_m, [exact[0], exact[1], z]);
+        *self.vertices.entry(number, || vertex)
+    }
+
+    /// The vertex at a step of a side.
+    fn step(&mut self, side: usize, step: u16, absent: &mut Vec<LatticeNode>) -> u32 {
+        let far = if side < 2 { 0 } else { GRID as u16 };
+        let place = if self.sides[side].axis == 0 { [far, step] } else { [step, far] };
+        let key = 1 << 32 | u64::from(place[0]) << 15 | u64::from(place[1]);
+        if let Some(vertex) = self.vertices.get(key) {
+            return vertex;
+        }
+        let at = self.ground.placement.grid(self.sides[side].place(step));
+        let z = self.ground.border_height_m(self.tile.zoom, at, absent);
+        let quantum_m = self.limits.border_quantum_m;
+        // what was put on this step came from no further along the side
+        let mut exact = [f64::from(place[0]), f64::from(place[1]), z];
+        exact[1 - self.sides[side].axis] += f64::from(self.sides[side].stride()) / 2.0;
+        let vertex = self.sheet.push(place, (z / quantum_m).round() * quantum_m, exact);
+        *self.vertices.entry(key, || vertex)
+    }
+
+    fn plane(&self, corners: [[u32; 2]; 3]) -> Plane {
+        Plane::through(corners.map(|sample| {
+            let [u, v] = self.local(self.ground.placement.place(sample));
+            [u, v, f64::from(self.ground.data.sample_height_m(sample[0], sample[1]))]
+        }))
+    }
+
+    /// A triangle strictly inside the tile.
+    fn whole(&mut self, corners: [[u32; 2]; 3], error_m: f32) {
+        // no vertex on a side, so nothing more has to be in memory
+        let vertices = corners.map(|sample| self.sample(sample, &mut Vec::new()));
+        let [a, b, c] = vertices.map(|v| self.sheet.ints(v));
+        if area(a, b, c) > 0 {
+            let plane = Plane::through(vertices.map(|v| self.sheet.exact[v as usize]));
+            self.sheet.add(vertices, &plane, error_m);
+        }
+    }
+
+    /// A triangle that a side crosses or touches.
+    fn clipped(&mut self, corners: [[u32; 2]; 3], error_m: f32, absent: &mut Vec<LatticeNode>) {
+        let triangle =
+            corners.map(|sample| Place { at: self.ground.placement.place(sample), number: self.number(sample) });
+        let mut polygon = std::mem::take(self.polygon);
+        clip(&triangle, self.sides, &mut polygon);
+        let mut ring: Vec<u32> = Vec::with_capacity(polygon.len());
+        for corner in &polygon {
+            let vertex = match *corner {
+                Corner::Own(k) => self.sample(corners[k], absent),
+                Corner::On(side, along) => self.step(side, self.sides[side].snap(along), absent),
+                Corner::Tile(a, b) => {
+                    let upright = if self.sides[a].axis == 0 { a } else { b };
+                    let level = a + b - upright;
+                    self.step(upright, if level == 1 { 0 } else { GRID as u16 }, absent)
+                }
+            };
+            ring.push(vertex);
+        }
+        *self.polygon = polygon;
+        ring.dedup();
+        while ring.len() > 1 && ring.first() == ring.last() {
+            ring.pop();
+        }
+        if ring.len() < 3 {
+            return;
+        }
+        let ring = self.with_forced(&ring, absent);
+        let plane = self.plane(corners);
+        let places: Vec<[i32; 2]> = ring.iter().map(|&v| self.sheet.ints(v)).collect();
+        let sheet = &mut *self.sheet;
+        ears(&places, |t| sheet.add(t.map(|k| ring[k]), &plane, error_m));
+    }
+
+    /// The ring with the vertices on the sides that must be there for the finer tiles beside it.
+    fn with_forced(&mut self, ring: &[u32], absent: &mut Vec<LatticeNode>) -> Vec<u32> {
+        let mut out = Vec::with_capacity(ring.len() + 4);
+        for (k, &from) in ring.iter().enumerate() {
+            out.push(from);
+            let [a, b] = [from, ring[(k + 1) % ring.len()]].map(|v| self.sheet.places[v as usize]);
+            let on = |side: usize| {
+                let (axis, far) = (side % 2, if side < 2 { 0 } else { GRID as u16 });
+                a[axis] == far && b[axis] == far
+            };
+            let Some(side) = (0..4).find(|&side| on(side)) else { continue };
+            let (from, to) = (a[1 - side % 2], b[1 - side % 2]);
+            let forced = &self.sides[side].forced;
+            let between = forced.partition_point(|&s| s <= from.min(to))..forced.partition_point(|&s| s < from.max(to));
+            let mut steps = forced[between].to_vec();
+            if from > to {
+                steps.reverse();
+            }
+            for step in steps {
+                out.push(self.step(side, step, absent));
+            }
+        }
+        out
+    }
+}
