@@ -52,7 +52,7 @@ fn run(session: &mut Session, source: &PackSource, mut spoil: impl FnMut(u64, &m
             let _ = session.receive(request.id, &bytes);
         }
         let changed = session.update(0.02).unwrap();
-        if !changed && wanted.is_empty() && !session.is_moving() && session.stream.is_complete() {
+        if !changed && wanted.is_empty() && session.is_complete() {
             return requests;
         }
     }
