@@ -56,7 +56,8 @@ fn box_of(level: u32, place: [u32; 2]) -> Value {
 }
 
 fn places() -> impl Iterator<Item = (u32, [u32; 2])> {
-    (0..=DEEPEST).flat_map(|level| (0..1u32 << level).flat_map(move |x| (0..1u32 << level).map(move |y| (level, [x, y]))))
+    (0..=DEEPEST)
+        .flat_map(|level| (0..1u32 << level).flat_map(move |x| (0..1u32 << level).map(move |y| (level, [x, y]))))
 }
 
 fn write_contents(folder: &Path) {
@@ -74,9 +75,10 @@ fn explicit(folder: &Path) {
             .filter(|_| level < DEEPEST)
             .map(|[dx, dy]| tile(level + 1, [2 * x + dx, 2 * y + dy]))
             .collect();
+        let error_m = [4.0, 2.0, 0.0][level as usize];
         json!({
             "boundingVolume": box_of(level, [x, y]),
-            "geometricError": [4.0, 2.0, 0.0][level as usize],
+            "geometricError": error_m,
             "refine": "REPLACE",
             "content": {"uri": format!("{level}/{x}/{y}.glb")},
             "children": children,
@@ -140,7 +142,8 @@ fn sound_tilesets_have_no_finding() {
 /// Changes the JSON of a binary glTF, keeping its length.
 fn in_json(path: &Path, old: &str, new: &str) {
     edit(path, |bytes| {
-        let at = bytes.windows(old.len()).position(|w| w == old.as_bytes()).unwrap_or_else(|| panic!("{old} is not there"));
+        let at =
+            bytes.windows(old.len()).position(|w| w == old.as_bytes()).unwrap_or_else(|| panic!("{old} is not there"));
         let new = format!("{new:width$}", width = old.len());
         assert_eq!(new.len(), old.len());
         bytes.splice(at..at + old.len(), new.bytes()).for_each(drop);
@@ -155,8 +158,6 @@ fn binary_start(bytes: &[u8]) -> usize {
 #[test]
 fn faults_of_a_tileset_are_found() {
     type Spoil = fn(&Path);
-    let json_of = |f: &Path| f.join("tileset.json");
-    let _ = json_of;
     let faults: [(&str, Spoil); 22] = [
         ("TS01", |f| std::fs::write(f.join("tileset.json"), "[1").unwrap()),
         ("TS02", |f| replace(&f.join("tileset.json"), "\"version\"", "\"revision\"")),
@@ -176,27 +177,35 @@ fn faults_of_a_tileset_are_found() {
             replace(&f.join("tileset.json"), "\"root\":{", sheared);
         }),
         ("GL01", |f| edit(&f.join("2/1/3.glb"), |b| b.truncate(b.len() - 8))),
-        ("GL03", |f| in_json(&f.join("2/1/3.glb"), "\"count\":9", "\"count\":99")),
-        ("GL04", |f| edit(&f.join("2/1/3.glb"), |b| {
-            let last = b.len() - 4;
-            b[last] = 77;
-        })),
+        ("GL03", |f| in_json(&f.join("2/1/3.glb"), "\"byteLength\":108", "\"byteLength\":100")),
+        ("GL04", |f| {
+            edit(&f.join("2/1/3.glb"), |b| {
+                let last = b.len() - 4;
+                b[last] = 77;
+            })
+        }),
         ("GL05", |f| in_json(&f.join("2/1/3.glb"), "\"max\":[8.0", "\"max\":[7.0")),
-        ("GL06", |f| edit(&f.join("2/1/3.glb"), |b| {
-            // the first normal twice as long
-            let at = binary_start(b) + 12 * 9;
-            b[at + 4..at + 8].copy_from_slice(&2f32.to_le_bytes());
-        })),
-        ("GL09", |f| edit(&f.join("2/1/3.glb"), |b| {
-            let at = binary_start(b);
-            b[at..at + 4].copy_from_slice(&f32::NAN.to_le_bytes());
-        })),
-        ("GL10", |f| edit(&f.join("2/1/3.glb"), |b| {
-            // two corners of the last triangle change places
-            let n = b.len();
-            let (p, q) = (n - 8, n - 4);
-            (0..4).for_each(|k| b.swap(p + k, q + k));
-        })),
+        ("GL06", |f| {
+            edit(&f.join("2/1/3.glb"), |b| {
+                // the first normal twice as long
+                let at = binary_start(b) + 12 * 9;
+                b[at + 4..at + 8].copy_from_slice(&2f32.to_le_bytes());
+            })
+        }),
+        ("GL09", |f| {
+            edit(&f.join("2/1/3.glb"), |b| {
+                let at = binary_start(b);
+                b[at..at + 4].copy_from_slice(&f32::NAN.to_le_bytes());
+            })
+        }),
+        ("GL10", |f| {
+            edit(&f.join("2/1/3.glb"), |b| {
+                // two corners of the last triangle change places
+                let n = b.len();
+                let (p, q) = (n - 8, n - 4);
+                (0..4).for_each(|k| b.swap(p + k, q + k));
+            })
+        }),
         ("CR01", |f| std::fs::write(f.join("2/1/3.glb"), glb(2, [1, 3], 0.3)).unwrap()),
     ];
     for (code, spoil) in faults {
@@ -220,10 +229,12 @@ fn faults_of_implicit_tiling_are_found() {
         ("IM03", |f| edit(&f.join("subtrees/0/0/0.subtree"), |b| b[8] = b[8].wrapping_add(8))),
         ("IM05", |f| replace_in_subtree(f, "\"byteLength\":1,", "\"byteLength\":0,")),
         ("IM06", |f| replace_in_subtree(f, "\"availableCount\":1", "\"availableCount\":3")),
-        ("IM07", |f| edit(&f.join("subtrees/2/1/1.subtree"), |b| {
-            let at = b.len() - 8;
-            b[at] = 0b10;
-        })),
+        ("IM07", |f| {
+            edit(&f.join("subtrees/2/1/1.subtree"), |b| {
+                let at = b.len() - 8;
+                b[at] = 0b10;
+            })
+        }),
         ("IM09", |f| replace(&f.join("tileset.json"), "\"availableLevels\":3", "\"availableLevels\":2")),
         ("IM11", |f| std::fs::write(f.join("2/1/9.glb"), glb(2, [1, 1], 0.0)).unwrap()),
     ];
