@@ -6,6 +6,7 @@ mod model_cells;
 mod model_tiles;
 mod placement;
 mod quantized_mesh;
+mod terrain_3d;
 mod terrain_rgb;
 mod terrain_tiles;
 mod tiles3d;
