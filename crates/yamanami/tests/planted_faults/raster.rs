@@ -8,13 +8,13 @@ use yamanami::io::tiles::encode_height_png;
 
 const SIDE: u32 = 256;
 
-/// A tile's picture of ground that is 0 at the north-west of the world.
+/// A tile's picture of ground that is the same where the globe closes.
 fn picture([z, x, y]: [u32; 3], side: u32, lift_m: f32) -> Vec<u8> {
     let pixels = (0..side * side).map(|k| {
         let at =
             |tile: u32, pixel: u32| (f64::from(tile) + (f64::from(pixel) + 0.5) / f64::from(side)) / f64::from(1 << z);
         let (u, v) = (at(x, k % side), at(y, k / side));
-        (900.0 * u + 700.0 * v) as f32 + 100.0 + lift_m
+        (900.0 * (2.0 * u - 1.0).abs() + 700.0 * v) as f32 + 100.0 + lift_m
     });
     encode_height_png(TileEncoding::TerrainRgb, &pixels.collect::<Vec<_>>(), side)
 }

@@ -74,7 +74,10 @@ pub fn quantized_mesh(bytes: &[u8], faults: &mut Faults) -> Option<QuantizedMesh
         // some encoders always write four bytes
         let mut again = start;
         let mut others = QuantizedMesh { vertices: std::mem::take(&mut tile.vertices), ..QuantizedMesh::default() };
-        if corners(&mut again, true, &mut others, &mut Faults::default()) {
+        let none = &mut Faults::default();
+        let is_sound =
+            corners(&mut again, true, &mut others, none) && sides(&mut again.clone(), true, &mut others, none);
+        if is_sound && !others.triangles.is_empty() {
             let found = format!("corners of four bytes for {count} vertices");
             faults.add("QM08", "triangles", "corners of two bytes up to 65536 vertices", found);
             (tile.triangles, wide, bytes, own) = (others.triangles, true, again, Faults::default());
