@@ -9,6 +9,8 @@ mod quantized_mesh;
 mod terrain_3d;
 mod terrain_rgb;
 mod terrain_tiles;
+#[cfg(test)]
+mod tests_3d;
 mod tiles3d;
 mod tileset_files;
 

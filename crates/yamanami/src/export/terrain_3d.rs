@@ -2,14 +2,14 @@
 //! not known. Tiles are cut with borders that are the same lines on both sides; there are no skirts.
 
 use super::placement::Placement;
-use super::terrain_tiles::{TILES_AT_ONCE, TerrainTiles, trim};
+use super::terrain_tiles::{TILES_AT_ONCE, TerrainTiles, load, trim};
 use super::tileset_files::{TilePlace, TileRecord, TileTree, box_of, content_path, kept_content};
-use super::{ExportJob, ExportReport};
+use super::{ExportJob, ExportOptions, ExportReport};
 use crate::{Error, Subject, Terrain};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-use yamanami_core::{Aabb, GeoReference};
+use yamanami_core::{Aabb, GeoReference, LatticeNode};
 use yamanami_io::crs;
 use yamanami_io::mesh_file::MeshMeta;
 use yamanami_io::tiles::glb::{GlbFacts, LatticeMesh, TileClaim, encode_glb, step_below_m};
@@ -17,6 +17,7 @@ use yamanami_io::tiles::subtree::{TileBounds, TileFacts};
 use yamanami_io::tiles::tileset::{BoundingVolume, Subdivision};
 use yamanami_io::tiles::{TileFolder, TileOutput};
 use yamanami_multires::tiles::{CutOptions, CutScratch, GRID, Placement as TileSpace, Tile, TilePiece};
+use yamanami_multires::wavelet::TerrainData;
 
 /// Samples along the side of a leaf, at most: at the usual tolerance 20,000 to 60,000 triangles.
 const LEAF_SAMPLES: f64 = 256.0;
@@ -26,8 +27,8 @@ const USUAL_TOLERANCE: f64 = 0.25;
 const STEPS_AN_ERROR: f64 = 32.0;
 /// No place of the ellipsoid curves more sharply, less what a geoid bends.
 const RADIUS_M: f64 = 6_300_000.0;
-/// Room around the data, in parts of their size.
-const ROOM: f64 = 1e-4;
+/// Room before and after the data, in parts of their size; not alike, lest a tile's wall and a row of samples be almost one.
+const ROOM: [f64; 2] = [0.71e-4, 1.37e-4];
 /// Places along a border that are looked at for how far it bulges.
 const LOOKS: usize = 65;
 
@@ -39,47 +40,29 @@ struct Square {
 }
 
 /// Where tiles stand.
-struct Ground {
-    placement: Option<Placement>,
+pub(super) struct Ground {
+    pub placement: Option<Placement>,
     square: Square,
-    step_m: f64,
+    pub space: TileSpace,
+    last: u32,
+    pub step_m: f64,
 }
 
 /// Writes the tiles, subtrees and `tileset.json` of a terrain.
 pub(super) fn write(terrain: &mut Terrain, job: &ExportJob<'_>, folder: &TileFolder) -> Result<ExportReport, Error> {
-    let options = job.options;
     let mut notes = Vec::new();
-    let bounds = source_bounds(terrain);
-    let placement = Placement::of(&terrain.geo().crs, &bounds, options.heights, &options.geoid, &mut notes)?;
-    if placement.is_none() {
-        notes.push("the CRS is not known: the tiles are in metres from the first sample, not on the globe".to_owned());
-    }
-    let [dx, dy] = terrain.geo().step_m;
-    let tolerance_m = options.tolerance_m.unwrap_or(USUAL_TOLERANCE * dx.max(dy));
-    let square = Square::around(terrain, placement.as_ref());
-    let space = square.space(terrain, placement.as_ref());
-    let usual = (terrain.size().into_iter().max().unwrap_or(2) as f64 / LEAF_SAMPLES).log2().ceil().max(0.0) as u32;
-    let last = options.zooms.map_or(usual, |[_, last]| last);
-    let cut = CutOptions {
-        zooms: [0, last],
-        tolerance_m,
-        globe_radius_m: placement.as_ref().map(|_| RADIUS_M),
-        height_range_m: terrain.range_m().map(f64::from),
-    };
-    let [width_m, height_m] = terrain.extent_m();
-    let size = Aabb { min: DVec3::ZERO, max: DVec3::new(width_m, height_m, 0.0) };
-    let ground = Ground { placement, square, step_m: step_below_m(tolerance_m / STEPS_AN_ERROR, &size) };
+    let (ground, cut) = Ground::of(terrain, job.options, &mut notes)?;
     let mut report = ExportReport { notes, ..ExportReport::default() };
     let mut tiles = BTreeMap::new();
     let all: Vec<Tile> = {
-        let cutter = TerrainTiles::new(terrain, &space, &cut);
-        (0..=last).flat_map(|zoom| cutter.tiles(zoom)).collect()
+        let cutter = TerrainTiles::new(terrain, &ground.space, &cut);
+        (0..=ground.last).flat_map(|zoom| cutter.tiles(zoom)).collect()
     };
     for (done, batch) in all.chunks(TILES_AT_ONCE).enumerate() {
-        let cutter = TerrainTiles::new(terrain, &space, &cut);
+        let cutter = TerrainTiles::new(terrain, &ground.space, &cut);
         let made: Vec<Option<(TileRecord, bool)>> = batch
             .par_iter()
-            .map_init(CutScratch::default, |scratch, &tile| ground.make(&cutter, tile, scratch, folder, job))
+            .map_init(CutScratch::default, |scratch, &tile| ground.make(terrain, &cutter, tile, scratch, folder, job))
             .collect::<Result<_, Error>>()?;
         for (tile, made) in batch.iter().zip(made) {
             if let Some((record, kept)) = made {
@@ -142,8 +125,8 @@ impl Square {
                 range = [range[0].min(x), range[1].min(y), range[2].max(x), range[3].max(y)];
             }
         }
-        let size = [range[2] - range[0], range[3] - range[1]].map(|s| s * (1.0 + 2.0 * ROOM));
-        let middle = [0.5 * (range[0] + range[2]), 0.5 * (range[1] + range[3])];
+        let size = [range[2] - range[0], range[3] - range[1]].map(|s| s * (1.0 + ROOM[0] + ROOM[1]));
+        let middle = [0, 1].map(|k| 0.5 * (range[k] + range[k + 2]) + 0.5 * (ROOM[1] - ROOM[0]) * size[k]);
         // on the globe a square of degrees is narrower towards the poles
         let narrow = placement.map_or(1.0, |_| middle[1].to_radians().cos().max(0.02));
         let side = (size[0] * narrow).max(size[1]);
@@ -186,9 +169,46 @@ impl Square {
 }
 
 impl Ground {
+    /// Finds a terrain's place and divides it; says how it is to be cut.
+    pub(super) fn of(
+        terrain: &Terrain,
+        options: &ExportOptions,
+        notes: &mut Vec<String>,
+    ) -> Result<(Self, CutOptions), Error> {
+        let geo = terrain.geo();
+        let placement = Placement::of(&geo.crs, &source_bounds(terrain), options.heights, &options.geoid, notes)?;
+        if placement.is_none() {
+            notes.push(
+                "the CRS is not known: the tiles are in metres from the first sample, not on the globe".to_owned(),
+            );
+        }
+        let tolerance_m = options.tolerance_m.unwrap_or(USUAL_TOLERANCE * geo.step_m[0].max(geo.step_m[1]));
+        let square = Square::around(terrain, placement.as_ref());
+        let space = square.space(terrain, placement.as_ref());
+        let longest = terrain.size().into_iter().max().unwrap_or(2) as f64;
+        let usual = (longest / LEAF_SAMPLES).log2().ceil().max(0.0) as u32;
+        let last = options.zooms.map_or(usual, |[_, last]| last);
+        let cut = CutOptions {
+            zooms: [0, last],
+            tolerance_m,
+            globe_radius_m: placement.as_ref().map(|_| RADIUS_M),
+            height_range_m: terrain.range_m().map(f64::from),
+        };
+        let [width_m, height_m] = terrain.extent_m();
+        let size = Aabb { min: DVec3::ZERO, max: DVec3::new(width_m, height_m, 0.0) };
+        let step_m = step_below_m(tolerance_m / STEPS_AN_ERROR, &size);
+        Ok((Self { placement, square, space, last, step_m }, cut))
+    }
+
+    /// What a tile is sure of: the error of its piece, and a step along each axis.
+    pub(super) fn error_m(&self, piece: &TilePiece) -> f64 {
+        piece.error_m + 3f64.sqrt() * self.step_m
+    }
+
     /// Cuts a tile and writes it, unless it is there; `None` when there is nothing in it.
     fn make(
         &self,
+        terrain: &Terrain,
         cutter: &TerrainTiles<'_>,
         tile: Tile,
         scratch: &mut CutScratch,
@@ -203,19 +223,23 @@ impl Ground {
         if piece.is_empty() {
             return Ok(None);
         }
-        let (mesh, height_range_m) = self.mesh(tile, &piece)?;
-        let claim = TileClaim { error_m: piece.error_m + 3f64.sqrt() * self.step_m, height_range_m };
+        let (mesh, height_range_m) = self.mesh(tile, &piece, terrain)?;
+        let claim = TileClaim { error_m: self.error_m(&piece), height_range_m };
         let file = encode_glb(&mesh, job.options.packing, &MeshMeta::default(), &claim);
         folder.put(&content_path(Subdivision::Quadtree, place), &file)?;
         Ok(GlbFacts::of(&file).map(|facts| (self.record(tile, &facts, file.len()), false)))
     }
 
     /// A tile on the lattice of all, and its lowest and highest above the ellipsoid.
-    fn mesh(&self, tile: Tile, piece: &TilePiece) -> Result<(LatticeMesh, Option<[f64; 2]>), Error> {
+    pub(super) fn mesh(
+        &self,
+        tile: Tile,
+        piece: &TilePiece,
+        terrain: &Terrain,
+    ) -> Result<(LatticeMesh, Option<[f64; 2]>), Error> {
         let mut mesh =
             LatticeMesh { step_m: self.step_m, triangles: piece.triangles.clone(), ..LatticeMesh::default() };
         let mut range = [f64::INFINITY, f64::NEG_INFINITY];
-        let mut exact = Vec::with_capacity(piece.places.len());
         for (&place, &z) in piece.places.iter().zip(&piece.heights_m) {
             let at = self.square.plane(tile_place(tile, place));
             let (p, height_m) = match &self.placement {
@@ -230,18 +254,45 @@ impl Ground {
             }
             range = [range[0].min(height_m), range[1].max(height_m)];
             mesh.places.push((p / self.step_m).round().to_array().map(|c| c as i64));
-            exact.push(p);
         }
-        mesh.normals = if piece.normals.is_empty() {
-            smooth_normals(&exact, &piece.triangles)
-        } else {
-            let turned = |(&place, &normal): (&[u16; 2], &[f32; 3])| match &self.placement {
-                Some(placement) => placement.turned_at(self.square.plane(tile_place(tile, place)), normal),
-                None => normal,
-            };
-            piece.places.iter().zip(&piece.normals).map(turned).collect()
-        };
+        mesh.normals = self.normals(tile, piece, terrain)?;
         Ok((mesh, self.placement.as_ref().map(|_| range)))
+    }
+
+    /// Normals from the heights around each vertex, at the spacing of the tile's zoom: the same on both sides of a border.
+    fn normals(&self, tile: Tile, piece: &TilePiece, terrain: &Terrain) -> Result<Vec<[f32; 3]>, Error> {
+        let (geo, data) = (terrain.geo(), terrain.surface().data());
+        let lattice = terrain.surface().numbers().lattice();
+        let level = (self.last - tile.zoom).min(lattice.levels());
+        let spacing = f64::from(1u32 << level);
+        let points = lattice.points(level);
+        let node = |at: [f64; 2]| {
+            let grid = self.space.grid(at);
+            let [x, y] = [0, 1].map(|k| (grid[k] / spacing).round().clamp(0.0, f64::from(points[k] - 1)) as u32);
+            LatticeNode { level, x, y }
+        };
+        let nodes: Vec<LatticeNode> = piece.places.iter().map(|&place| node(tile_place(tile, place))).collect();
+        let absent: Vec<LatticeNode> = nodes.iter().copied().filter(|&n| !data.is_resident(n)).collect();
+        if !absent.is_empty() {
+            load(terrain, absent)?;
+        }
+        let normal = |(&place, &node): (&[u16; 2], &LatticeNode)| {
+            let [gx, gy] = data.gradient(node);
+            let up = DVec3::new(-gx / (spacing * geo.step_m[0]), gy / (spacing * geo.step_m[1]), 1.0);
+            let normal = up.normalize().as_vec3().to_array();
+            let at = self.square.plane(tile_place(tile, place));
+            match &self.placement {
+                // rows and columns run east and south
+                Some(placement) if geo.crs.geographic || geo.crs.web_mercator => placement.turned_at(at, normal),
+                Some(placement) => {
+                    let column = spacing * f64::from(node.x);
+                    let [x, y] = geo.source_from_grid(column, spacing * f64::from(node.y));
+                    placement.turned(DVec3::new(x, y, 0.0), normal)
+                }
+                None => normal,
+            }
+        };
+        Ok(piece.places.iter().zip(&nodes).map(normal).collect())
     }
 
     fn record(&self, tile: Tile, facts: &GlbFacts, bytes: usize) -> TileRecord {
@@ -292,20 +343,9 @@ impl Ground {
 
 /// Tile space of a place of a tile's lattice. It is worked out from whole numbers, so that tiles that share a place agree on it
 /// to the last bit, whatever their zooms.
-fn tile_place(tile: Tile, [u, v]: [u16; 2]) -> [f64; 2] {
+pub(super) fn tile_place(tile: Tile, [u, v]: [u16; 2]) -> [f64; 2] {
     let along = |tile_at: u32, k: u16, zoom: u32| {
         (u64::from(tile_at) * u64::from(GRID) + u64::from(k)) as f64 / (f64::from(GRID) * f64::from(1u32 << zoom))
     };
     [along(tile.x, u, tile.zoom), along(tile.y, v, tile.zoom)]
-}
-
-/// Normals of vertices as the mean of their triangles' by area.
-fn smooth_normals(places: &[DVec3], triangles: &[[u32; 3]]) -> Vec<[f32; 3]> {
-    let mut sums = vec![DVec3::ZERO; places.len()];
-    for t in triangles {
-        let [a, b, c] = t.map(|v| places[v as usize]);
-        let doubled = (b - a).cross(c - a);
-        t.iter().for_each(|&v| sums[v as usize] += doubled);
-    }
-    sums.into_iter().map(|n| n.normalize_or(DVec3::Z).as_vec3().to_array()).collect()
 }
