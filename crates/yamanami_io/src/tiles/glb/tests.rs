@@ -1,3 +1,5 @@
+//! Packed glTF: what is written comes back, and as others expect it.
+
 use super::*;
 use crate::mesh_file::read_mesh_from_bytes;
 
