@@ -1,12 +1,6 @@
 // What the panel offers, as a table: sections of controls, each for one of the viewer's settings.
 // A slider is { key, least, most, unit, log, step, none }: `log` counts by factors (and `zero` adds 0 below), `none` is the value to begin with of one that can be off.
 
-/** Numbers for a map of what is near and of what is far. */
-export const PRESETS = {
-  near: { ring_km: 3, radius_km: 30, eye_m: 4000 },
-  far: { ring_km: 12, radius_km: 120, eye_m: 6000 },
-};
-
 const isExact = (settings) => settings.control !== 'paper';
 const isPaper = (settings) => settings.control === 'paper';
 const isMap = (settings) => settings.mode === 'map';
@@ -37,15 +31,15 @@ export function sections(facts) {
       open: true,
       when: isMap,
       rows: [
-        { presets: PRESETS, key: 'presets' },
+        { presets: presetsOf(facts.bounds), key: 'presets' },
         { key: 'map.alpha', least: 0, most: 1, step: 0.01 },
         { key: 'map.alpha_fall', least: 0, most: 4, step: 0.05 },
-        { key: 'map.ring_km', least: 0.2, most: 100, log: true, unit: 'km' },
+        { key: 'map.ring_km', least: 0.05, most: 100, log: true, unit: 'km' },
         { key: 'map.eye_m', least: 100, most: 30_000, log: true, whole: true, unit: 'm' },
         { key: 'map.exaggeration', least: 0.5, most: 5, log: true, unit: '×' },
-        { key: 'map.radius_km', least: 1, most: 300, log: true, unit: 'km' },
+        { key: 'map.radius_km', least: 0.1, most: 300, log: true, unit: 'km' },
         { key: 'map.curvature', choices: ['none', 'ring', 'centre'] },
-        { key: 'map.veil', least: 0, most: 1, step: 0.05 },
+        { key: 'map.veil', flag: true },
         { key: 'map.up_deg', least: 0, most: 360, step: 1, unit: '°' },
       ],
     },
@@ -63,6 +57,17 @@ export function sections(facts) {
       ],
     },
   ];
+}
+
+/** Numbers for a map of what is near and of what is far: shares of the surface, and eyes well above the land. */
+function presetsOf({ min, max }) {
+  const reachKm = Math.min(160, 0.0005 * Math.hypot(max[0] - min[0], max[1] - min[1]));
+  const preset = (ringShare, radiusShare) => {
+    const ringKm = Number((reachKm * ringShare).toPrecision(2));
+    const eyeM = Math.max(500 * ringKm, 1.4 * Math.max(max[2], 0));
+    return { ring_km: ringKm, radius_km: Number((reachKm * radiusShare).toPrecision(3)), eye_m: Number(eyeM.toPrecision(2)) };
+  };
+  return { near: preset(1 / 10, 1 / 3), far: preset(1 / 6, 1) };
 }
 
 /** A step that divides a range into some hundred parts, with one digit. */

@@ -27,7 +27,8 @@ export function length(metres) {
 }
 
 /** A height: metres, as fine as the surface's data deserve. */
-export function height(metres, finest = 1) {
+export function height(metres, spacing) {
+  const finest = spacing ?? 1;
   return `${number(metres, finest < 0.5 ? 3 : finest < 5 ? 1 : 0)} m`;
 }
 

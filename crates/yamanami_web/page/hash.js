@@ -7,6 +7,7 @@ import { LANGUAGES } from './i18n.js';
 const MOST_CHARACTERS = 4000;
 
 const number = (least, most) => (value) => typeof value === 'number' && value >= least && value <= most;
+const whole = (least, most) => (value) => Number.isInteger(value) && value >= least && value <= most;
 const yesOrNo = (value) => typeof value === 'boolean';
 const oneOf = (...words) => (value) => words.includes(value);
 const orNull = (check) => (value) => value === null || check(value);
@@ -15,11 +16,11 @@ const word = (value) => typeof value === 'string' && /^[a-z]{1,20}$/.test(value)
 /** Settings in a link: short key, place in the settings, what makes sense. */
 const SETTINGS = {
   m: ['mode', oneOf('relief', 'map')],
-  t: ['tolerance_px', number(0, 1000)],
+  t: ['tolerance_px', number(0.01, 1000)],
   tm: ['tolerance_m', number(0, 1e6)],
-  b: ['budget', orNull(number(1, 1e9))],
+  b: ['budget', orNull(whole(10, 1e8))],
   k: ['control', oneOf('exact', 'paper')],
-  ki: ['intervals', number(1, 64)],
+  ki: ['intervals', whole(1, 64)],
   kg: ['gain', number(0, 10)],
   rb: ['rebuild', yesOrNo],
   mo: ['morph', yesOrNo],
@@ -29,7 +30,7 @@ const SETTINGS = {
   aa: ['antialias', yesOrNo],
   w: ['water_m', orNull(number(-12_000, 10_000))],
   sa: ['sun_azimuth_deg', number(-360, 360)],
-  sh: ['sun_altitude_deg', number(0, 90)],
+  sh: ['sun_altitude_deg', number(1, 90)],
   a: ['map.alpha', number(0, 1)],
   af: ['map.alpha_fall', number(0, 100)],
   r: ['map.ring_km', number(0.001, 10_000)],
@@ -37,7 +38,7 @@ const SETTINGS = {
   x: ['map.exaggeration', number(0.01, 100)],
   cu: ['map.curvature', oneOf('none', 'ring', 'centre')],
   rk: ['map.radius_km', number(0.01, 10_000)],
-  ve: ['map.veil', number(0, 10)],
+  ve: ['map.veil', yesOrNo],
   up: ['map.up_deg', number(-360, 360)],
 };
 

@@ -15,7 +15,7 @@ const LISTS = [
 ];
 
 /** Words without the key that stands behind them in brackets. */
-const bare = (key) => t(key).replace(/\s*[(（][^()（）]*[)）]$/, '');
+const bare = (key) => t(key).replace(/\s*\([A-Z?+−]\)$/, '');
 
 function fill(dialog) {
   const close = make('button', { type: 'button', textContent: t('help_close') });

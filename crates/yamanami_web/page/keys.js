@@ -51,6 +51,17 @@ export class Keys {
   }
 }
 
+/** Pixels a second that keys move a map, and turn it by. */
+const MAP_PX_PER_S = 400;
+
+/** Moves and turns a deformed map by keys. */
+export function driveMap({ viewer, canvas }, { ahead, aside, up, fast }, dtS) {
+  const step = MAP_PX_PER_S * (fast ? 3 : 1) * dtS;
+  const [x, y] = [canvas.width / 2, canvas.height / 2];
+  viewer.pan(x, y, x - aside * step, y + ahead * step);
+  if (up) viewer.turn(up * step, 0);
+}
+
 /** Whether what has the focus wants the key for itself. */
 function isTaken(event, stage) {
   const target = event.target;

@@ -3,12 +3,13 @@
 import { hearDrops } from './drop.js';
 import * as format from './format.js';
 import { toggleFull } from './full.js';
-import { readHash, writeHash } from './hash.js';
+import { readHash } from './hash.js';
 import { toggleHelp } from './help.js';
 import { currentLanguage, LANGUAGES, onLanguage, setLanguage, t, usualLanguage } from './i18n.js';
 import { listen } from './input.js';
-import { Keys } from './keys.js';
+import { driveMap, Keys } from './keys.js';
 import { Layers } from './layers.js';
+import { Link } from './link.js';
 import { Marks } from './marks.js';
 import { block, say } from './messages.js';
 import { Panel } from './panel.js';
@@ -22,21 +23,16 @@ import { Tools } from './tools.js';
 
 const MEMORY_BYTES = (navigator.deviceMemory ?? 4) < 4 ? 256 * 2 ** 20 : 512 * 2 ** 20;
 const ZOOM_STEP = 0.7;
-/** The address follows the view after it has rested so long. */
-const LINK_AFTER_MS = 400;
-
 class Page {
   stage = document.getElementById('stage');
   surfaces = [];
   session = null;
   drag = { moves: false };
-  #linkTimer = 0;
-  #isFresh = false;
 
   constructor() {
     this.panel = new Panel({
       change: (change) => this.change(change),
-      surface: (name) => this.show(name),
+      surface: (name) => this.#open({ ...readHash(''), surface: name }),
       files: (list) => this.addFiles(list),
       removeFile: (file) => this.removeFile(file),
       memory: (bytes) => this.session?.setMemory(bytes),
@@ -75,15 +71,15 @@ class Page {
   async start() {
     const link = readHash(location.hash);
     this.gpu = link.gpu;
-    this.language = link.language;
+    this.link = new Link(link);
     setLanguage(link.language ?? usualLanguage());
     try {
       this.surfaces = await readSite(new URL('site.json', location.href).href);
     } catch (error) {
       return block(t('no_site'), error.message);
     }
-    if (this.surfaces.length === 0) return block(t('no_surfaces'));
-    await this.#open(link);
+    if (this.surfaces.length === 0) block(t('no_surfaces'));
+    else await this.#open(link);
   }
 
   /** Follows a link that was changed by hand or by going back. */
@@ -93,20 +89,16 @@ class Page {
     await this.#open(link);
   }
 
-  async show(name) {
-    await this.#open({ ...readHash(''), surface: name });
-  }
-
   async #open(link) {
     const surface = this.surfaces.find(({ name }) => name === link.surface) ?? this.surfaces[0];
     if (link.surface && surface.name !== link.surface) say(t('no_such_surface', { name: link.surface.slice(0, 60), other: surface.title }), { kind: 'surface' });
     if (link.ignored.length) say(t('link_ignored', { parts: link.ignored.join(', ') }), { kind: 'link' });
-    await this.#begin(surface, link.settings, link.view);
+    if (this.viewer && this.session.surface === surface) this.session.follow(link.settings, link.view);
+    else await this.#begin(surface, link.settings, link.view);
   }
 
   async #begin(surface, settings, view) {
     const old = this.session;
-    const isSame = old?.surface === surface;
     old?.close();
     document.querySelector('.blocked')?.remove();
     document.getElementById('alarm').hidden = true;
@@ -114,23 +106,22 @@ class Page {
       before: (dtS) => this.#before(dtS),
       after: (again) => this.#after(again),
       arrived: () => this.layers.stale(),
+      shown: (refused) => this.#shown(refused),
+      unreadable: (why) => this.#refuse(new Error(why)),
       lost: (lastSettings, lastView) => this.#begin(surface, lastSettings, lastView),
     });
     this.session = session;
-    this.#isFresh = true;
     document.getElementById('title').textContent = surface.title;
     document.title = `${surface.title} – yamanami`;
     document.getElementById('credit').textContent = surface.credit;
     showProgress(null);
     try {
-      const refused = await session.open(settings, view);
-      if (this.session !== session) return;
-      if (refused.length) say(t('link_ignored', { parts: refused.join('; ') }), { kind: 'link' });
+      await session.open(settings, view);
     } catch (error) {
       if (this.session === session) this.#refuse(error);
       return;
     }
-    this.#opened(session, isSame);
+    if (this.session === session) this.#opened(session, old?.surface === surface);
   }
 
   #opened(session, isSame) {
@@ -144,7 +135,13 @@ class Page {
     this.tools.offer('map', facts.can_map);
     this.tools.offer('profile', facts.kind !== 'model');
     this.#told();
-    this.stage.focus({ preventScroll: true });
+  }
+
+  /** The surface stands there: what the link asked for is in force. */
+  #shown(refused) {
+    window.yamanami.firstPictureMs ??= performance.now();
+    if (refused.length) say(t('link_ignored', { parts: refused.join('; ') }), { kind: 'link' });
+    this.#told();
   }
 
   #refuse(error) {
@@ -163,8 +160,8 @@ class Page {
     this.panel.show(session.settings);
     this.tools.press('map', this.isMap());
     this.tools.press('fly', this.viewer?.is_fly() ?? false);
-    this.tools.offer('fly', !this.isMap());
-    this.#link();
+    this.tools.enable('fly', !this.isMap());
+    this.link.follow(this.session);
   }
 
   change(change) {
@@ -250,7 +247,8 @@ class Page {
 
   #before(dtS) {
     const drive = this.keys.drive();
-    if (drive) this.viewer.drive(drive.ahead, drive.aside, drive.up, drive.fast, dtS);
+    if (drive && this.isMap()) driveMap(this.session, drive, dtS);
+    else if (drive) this.viewer.drive(drive.ahead, drive.aside, drive.up, drive.fast, dtS);
     return drive !== null;
   }
 
@@ -264,27 +262,15 @@ class Page {
     showProgress(progress);
     showStats(viewer, nowMs, !again);
     this.panel.showProgress(progress);
-    if (this.#isFresh || again) this.#link();
-    this.#isFresh = false;
+    if (!again) this.panel.show(this.session.refresh());
+    this.link.follow(this.session);
     if (isReading) setTimeout(() => this.wake(), 200);
-  }
-
-  /** The address follows what is shown. */
-  #link() {
-    clearTimeout(this.#linkTimer);
-    this.#linkTimer = setTimeout(() => {
-      const { surface, settings, usual, facts, viewer } = this.session;
-      if (!facts || !viewer) return;
-      const language = currentLanguage() === usualLanguage() && !this.language ? null : currentLanguage();
-      const hash = writeHash({ surface: surface.name, language, gpu: this.gpu, view: viewer.view(), settings, usual });
-      if (hash !== location.hash) history.replaceState(null, '', hash);
-    }, LINK_AFTER_MS);
   }
 
   async #savePicture() {
     const { surface, canvas } = this.session;
     const draw = () => {
-      this.viewer.set_view(this.viewer.view());
+      this.session.refresh();
       this.session.drawNow();
       this.drawMarks();
     };
@@ -303,11 +289,9 @@ const ready = page.start();
 window.yamanami = {
   ready,
   page,
-  get viewer() {
-    return page.viewer;
-  },
-  get isAtRest() {
-    return page.session?.isAtRest ?? false;
-  },
+  get viewer() { return page.viewer; },
+  get isAtRest() { return page.session?.isAtRest ?? false; },
   stats: () => JSON.parse(page.viewer.stats()),
+  /** When the first picture stood there, after the page was asked for. */
+  firstPictureMs: null,
 };

@@ -153,5 +153,7 @@ function subtitle(facts) {
   const { min, max } = facts.bounds;
   const size = [max[0] - min[0], max[1] - min[1]];
   if (facts.kind === 'model') return [...size, max[2] - min[2]].map(format.short).join(' × ');
-  return `${size.map(format.length).join(' × ')} · ${format.number(min[2])}–${format.number(max[2])} m`;
+  const [east, north] = size.map(format.length);
+  const extent = east.slice(-2) === north.slice(-2) ? `${east.replace(/ k?m$/, '')} × ${north}` : `${east} × ${north}`;
+  return `${extent} · ${format.number(min[2])}–${format.number(max[2])} m`;
 }

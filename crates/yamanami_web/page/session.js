@@ -21,26 +21,34 @@ export class Session {
   #stream = null;
   #loop = null;
   #view = null;
+  /** Settings and view that were asked for, until there is something to apply them to. */
+  #pending = null;
+  #damage = null;
+  #isFirst = true;
+  #isClosed = false;
   #again = true;
 
-  /** Hooks: before(dtS), after(again), arrived(), lost(again) - `again()` goes on at the same view. */
+  /** Hooks: before(dtS), after(again), arrived(), shown(refused) when the first picture stands, unreadable(why), lost(settings, view). */
   constructor(stage, surface, backend, memoryBytes, hooks) {
     Object.assign(this, { surface, backend, memoryBytes });
     this.#stage = stage;
     this.#hooks = hooks;
   }
 
-  /** Opens the surface; with settings and a view if given. Nonsense among them is given back as messages. */
+  /** Opens the surface; settings and a view come into force with the first picture. */
   async open(settings = {}, view = null) {
     const source = new Source(this.surface.pack);
     source.onWhole = (size) => say(t('whole', { size: size ? format.bytes(size) : '?' }), { kind: 'whole' });
     const { canvas, viewer } = await makeViewer(this.#stage, this.backend);
+    if (this.#isClosed) return viewer.free();
     Object.assign(this, { canvas, viewer });
+    const facts = await openSurface(source, viewer, (isLost) => this.#showLost(isLost));
+    if (this.#isClosed) return;
+    this.facts = facts;
     viewer.set_memory(this.memoryBytes);
-    this.facts = await openSurface(source, viewer, (isLost) => this.#showLost(isLost));
     this.usual = JSON.parse(viewer.settings('{}'));
     this.settings = this.usual;
-    const refused = [...this.#applyEach(settings), ...this.#applyView(view)];
+    this.#pending = { settings, view };
     this.#stream = new Stream(source, viewer, (what, detail) => this.#hear(what, detail));
     this.#loop = new Loop(this.#stage, canvas, viewer, {
       before: (dtS) => this.#hooks.before(dtS),
@@ -48,7 +56,17 @@ export class Session {
       failed: (error) => this.#failed(error),
     });
     this.wake();
-    return refused;
+  }
+
+  /** Follows another link to the same surface. */
+  follow(settings, view) {
+    this.#pending = { settings: { ...this.usual, ...settings, map: { ...this.usual.map, ...settings.map } }, view };
+    this.wake();
+  }
+
+  /** Whether what was asked for is not in force yet. */
+  get isPending() {
+    return this.#pending !== null;
   }
 
   wake() {
@@ -61,7 +79,7 @@ export class Session {
 
   /** Whether the picture is what it should be and nothing moves. */
   get isAtRest() {
-    return !this.#again && this.progress?.is_complete === true && this.#stream.inFlight === 0;
+    return this.#pending === null && !this.#again && this.progress?.is_complete === true && this.#stream.inFlight === 0;
   }
 
   /** Changes settings; says why when the viewer refuses. */
@@ -75,6 +93,17 @@ export class Session {
     return this.settings;
   }
 
+  /** The settings as they are: gestures change some. */
+  refresh() {
+    this.settings = JSON.parse(this.viewer.settings('{}'));
+    return this.settings;
+  }
+
+  /** The view, also while it waits for data. */
+  view() {
+    return this.#pending?.view ?? this.viewer.view();
+  }
+
   setMemory(bytes) {
     this.memoryBytes = bytes;
     this.viewer.set_memory(bytes);
@@ -82,6 +111,7 @@ export class Session {
   }
 
   close() {
+    this.#isClosed = true;
     this.#stream?.stop();
     this.#loop?.stop();
     try {
@@ -96,7 +126,7 @@ export class Session {
   #applyEach(settings) {
     const refused = [];
     const { mode, map, ...others } = settings;
-    const changes = [...Object.entries(others).map(([key, value]) => ({ [key]: value }))];
+    const changes = Object.entries(others).map(([key, value]) => ({ [key]: value }));
     if (map) changes.push({ map });
     if (mode !== undefined) changes.push({ mode });
     for (const change of changes) {
@@ -109,30 +139,49 @@ export class Session {
     return refused;
   }
 
-  #applyView(view) {
-    if (view === null) return [];
-    try {
-      this.viewer.set_view(view);
-      return [];
-    } catch (error) {
-      return [error.message];
+  /** Applies what was asked for as soon as there is a surface to stand over. */
+  #applyPending() {
+    if (this.#pending === null) return;
+    if (JSON.parse(this.viewer.view()).eye === undefined) {
+      if (this.#damage && this.#stream.inFlight === 0) this.#hooks.unreadable(this.#damage);
+      return;
     }
+    const { settings, view } = this.#pending;
+    this.#pending = null;
+    if (this.#isFirst) this.usual = this.refresh();
+    this.#isFirst = false;
+    const refused = this.#applyEach(settings);
+    try {
+      if (view) this.viewer.set_view(view);
+    } catch (error) {
+      refused.push(error.message);
+    }
+    this.refresh();
+    this.wake();
+    this.#hooks.shown(refused);
   }
 
   #after(again) {
     this.#again = again;
     this.#stream.pump();
+    this.#applyPending();
+    if (!this.viewer) return;
     this.progress = JSON.parse(this.viewer.progress());
-    this.#view = this.viewer.view();
+    this.#view = this.view();
     this.#hooks.after(again);
   }
 
   #hear(what, detail) {
     if (what === 'arrived') this.#hooks.arrived();
-    else if (what === 'damaged') say(t('damaged', { why: detail }), { kind: 'damaged' });
+    else if (what === 'damaged') this.#showDamage(detail);
     else if (what === 'lost' || what === 'back') this.#showLost(what === 'lost');
     else this.#over(what, detail);
     this.wake();
+  }
+
+  #showDamage(why) {
+    this.#damage = why;
+    if (this.#pending === null) say(t('damaged', { why }), { kind: 'damaged' });
   }
 
   #showLost(isLost) {

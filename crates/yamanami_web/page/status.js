@@ -34,5 +34,7 @@ export function showStats(viewer, nowMs, isLast) {
   };
   const by = stats.limited_by ? t('comma') + t('limited', { by: t(`by_${stats.limited_by}`) }) : '';
   const steps = stats.thresholds_m?.length ? ` · f: ${stats.thresholds_m.map(format.short).join(' | ')} m` : '';
-  document.getElementById('stats').textContent = t('stats', words) + by + steps;
+  const line = document.getElementById('stats');
+  line.classList.toggle('fault', Boolean(stats.fault));
+  line.textContent = stats.fault ?? t('stats', words) + by + steps;
 }

@@ -87,9 +87,20 @@ export class Stream {
   }
 
   #ask(most) {
-    const wanted = this.#viewer.requests(most);
+    const wanted = this.#wanted(most);
     for (let i = 0; i + 2 < wanted.length; i += 3) this.#fetch(wanted[i], wanted[i + 1], wanted[i + 2]);
     return wanted.length > 0;
+  }
+
+  /** The viewer may find damage in what it has as well. */
+  #wanted(most) {
+    try {
+      return this.#viewer.requests(most);
+    } catch (error) {
+      if (error instanceof WebAssembly.RuntimeError) throw error;
+      this.#tell('damaged', error.message ?? String(error));
+      return [];
+    }
   }
 
   async #fetch(id, offset, length) {
@@ -120,6 +131,7 @@ export class Stream {
       this.#tell('damaged', error.message ?? String(error));
     }
     this.#tell('arrived');
+    this.pump();
   }
 
   #fail(id, error) {

@@ -43,6 +43,10 @@ export class Tools {
     this.#buttons[name].hidden = !isOffered;
   }
 
+  enable(name, isEnabled) {
+    this.#buttons[name].disabled = !isEnabled;
+  }
+
   /** What a plain drag does. */
   showDrag(moves) {
     const button = this.#buttons.drag;

@@ -16,9 +16,9 @@ export const en = {
   control: 'Rule', control_exact: 'exact', control_paper: 'staircase', tolerance_px: 'Tolerance on screen', tolerance_m: 'Tolerance',
   intervals: 'Steps', gain: 'Gain', budget: 'Most triangles', rebuild: 'Rebuild each frame', morph: 'Details fade in', wireframe: 'Edges',
   colour: 'Colour', colour_height: 'height', colour_slope: 'slope', colour_aspect: 'aspect', colour_level: 'level', colour_plain: 'plain',
-  colour_own: 'its own', colour_image: 'image', haze: 'Haze', antialias: 'Smooth edges', water_m: 'Water up to',
+  colour_own: 'its own', haze: 'Haze', antialias: 'Smooth edges', water_m: 'Water up to',
   sun_azimuth_deg: 'Sun from', sun_altitude_deg: 'Sun height',
-  relief: 'Relief', mode: 'Picture', mode_relief: 'relief', mode_map: 'deformed map',
+  mode: 'Picture', mode_relief: 'relief', mode_map: 'deformed map',
   alpha: 'α, share of map', alpha_fall: 'α falls', ring_km: 'Plain map to', eye_m: 'Eye height', exaggeration: 'Heights ×',
   curvature: 'Earth curves', curvature_none: 'not', curvature_ring: 'from the ring', curvature_centre: 'from the centre',
   radius_km: 'Shown to', veil: 'Veil', up_deg: 'Up is', presets: 'Presets', near: 'near', far: 'far',
@@ -33,7 +33,7 @@ export const en = {
   why_geojson: 'expected a GeoJSON object with a type', why_empty: 'it holds no lines or points with coordinates',
   why_many: 'more than {most} points', why_crs: 'its coordinates are not longitude and latitude',
 
-  pick_none: '—', height: 'height', slope: 'slope', away: '{distance} away', falls: 'falls {direction}', spacing: 'data every {spacing}',
+  pick_none: '—', height: 'height', slope: 'slope', away: '{distance} away', falls: 'falls {direction}',
   pick_coarse: 'finer data are loading', directions: 'N NE E SE S SW W NW', north: 'N', south: 'S', east: 'E', west: 'W',
   comma: ', ',
   stats: '{triangles} triangles, error ≤ {error} {unit}, update {update} ms, draw {draw} ms', limited: 'limited by {by}',
@@ -41,7 +41,7 @@ export const en = {
 
   profile_start: 'Choose two or more places on the surface (with the keyboard: aim with the cross, press Enter).',
   profile_facts: '{length} · {min} to {max} · ↑ {ascent} ↓ {descent}', profile_coarse: 'loading finer data…', profile_exact: 'data every {spacing}',
-  profile_undo: 'Take back the last place', profile_csv: 'Save as CSV', profile_close: 'Close the profile', distance: 'distance',
+  profile_undo: 'Take back the last place', profile_csv: 'Save as CSV', profile_close: 'Close the profile',
   profile_aria: 'Height along the line: from {min} to {max} over {length}. Arrow keys read it off.', profile_at: '{distance}: {height}',
 
   lost: 'Connection lost, trying again…', back: 'The connection is back.', damaged: 'Some data arrived damaged and were left out: {why}. It stays coarser there.',
@@ -52,7 +52,7 @@ export const en = {
   blocked_title: 'The surface cannot be drawn here', blocked_gpu: 'This browser offers neither WebGPU nor WebGL 2. A current browser with hardware acceleration switched on should do.',
   broken: 'The viewer stopped: {why}', refused: '{why}', unreadable: 'The surface cannot be read: {why}',
   link_ignored: 'Parts of the link were not understood and left out: {parts}', picture_saved: 'Picture saved.', picture_failed: 'The picture could not be saved: {why}',
-  link: 'Copy a link to this view', link_copied: 'Link copied.', full_failed: 'Full screen is not allowed here.',
+  full_failed: 'Full screen is not allowed here.',
 
   help_title: 'Getting about', help_close: 'Close',
   help_pointer: 'Mouse and pen', help_touch: 'Fingers', help_keys: 'Keys',

@@ -16,9 +16,9 @@ export const ja = {
   control: '方式', control_exact: '厳密', control_paper: '階段', tolerance_px: '画面上の許容誤差', tolerance_m: '許容誤差',
   intervals: '段数', gain: 'ゲイン', budget: '三角形の上限', rebuild: '毎回作り直す', morph: '徐々に現す', wireframe: '辺を表示',
   colour: '色', colour_height: '標高', colour_slope: '傾斜', colour_aspect: '斜面の向き', colour_level: '段階', colour_plain: '単色',
-  colour_own: '固有の色', colour_image: '画像', haze: '霞', antialias: '縁を滑らかに', water_m: '水面の高さ',
+  colour_own: '固有の色', haze: '霞', antialias: '縁を滑らかに', water_m: '水面の高さ',
   sun_azimuth_deg: '太陽の方位', sun_altitude_deg: '太陽の高さ',
-  relief: '鳥瞰', mode: '表示', mode_relief: '鳥瞰', mode_map: '変形地図',
+  mode: '表示', mode_relief: '鳥瞰', mode_map: '変形地図',
   alpha: 'α 地図の割合', alpha_fall: 'α の減り方', ring_km: '平面の範囲', eye_m: '視点の高さ', exaggeration: '高さの倍率',
   curvature: '地球の丸み', curvature_none: 'なし', curvature_ring: '環から', curvature_centre: '中心から',
   radius_km: '表示範囲', veil: 'かすみ', up_deg: '上の方位', presets: '組合せ', near: '近景', far: '遠景',
@@ -33,7 +33,7 @@ export const ja = {
   why_geojson: 'type を持つ GeoJSON が必要です', why_empty: '座標を持つ線も点もありません',
   why_many: '点が {most} 個を超えています', why_crs: '座標が経緯度ではありません',
 
-  pick_none: '—', height: '標高', slope: '傾斜', away: '距離 {distance}', falls: '{direction}向き', spacing: '{spacing} 間隔',
+  pick_none: '—', height: '標高', slope: '傾斜', away: '距離 {distance}', falls: '{direction}向き',
   pick_coarse: '細かいデータを読込中', directions: '北 北東 東 南東 南 南西 西 北西', north: '北緯', south: '南緯', east: '東経', west: '西経',
   comma: '、',
   stats: '三角形 {triangles}、誤差 ≤ {error} {unit}、更新 {update} ms、描画 {draw} ms', limited: '制限：{by}',
@@ -41,7 +41,7 @@ export const ja = {
 
   profile_start: '地表の 2 箇所以上を選んでください（キーボードでは十字で狙い Enter）。',
   profile_facts: '{length} ・ {min}〜{max} ・ 登り {ascent} 下り {descent}', profile_coarse: '細かいデータを読込中…', profile_exact: '{spacing} 間隔のデータ',
-  profile_undo: '最後の地点を取り消す', profile_csv: 'CSV で保存', profile_close: '断面図を閉じる', distance: '距離',
+  profile_undo: '最後の地点を取り消す', profile_csv: 'CSV で保存', profile_close: '断面図を閉じる',
   profile_aria: '線に沿う標高：{length} で {min} から {max}。矢印キーで読み取れます。', profile_at: '{distance}：{height}',
 
   lost: '接続が切れました。再接続しています…', back: '接続が戻りました。', damaged: '壊れたデータを除きました：{why}。その部分は粗いままです。',
@@ -52,7 +52,7 @@ export const ja = {
   blocked_title: 'ここでは地表を描けません', blocked_gpu: 'このブラウザーでは WebGPU も WebGL 2 も使えません。ハードウェアアクセラレーションを有効にした新しいブラウザーをお使いください。',
   broken: '表示が止まりました：{why}', refused: '{why}', unreadable: '地表を読めません：{why}',
   link_ignored: 'リンクのうち解釈できない部分を除きました：{parts}', picture_saved: '画像を保存しました。', picture_failed: '画像を保存できません：{why}',
-  link: 'この眺めへのリンクを写す', link_copied: 'リンクを写しました。', full_failed: 'ここでは全画面にできません。',
+  full_failed: 'ここでは全画面にできません。',
 
   help_title: '操作のしかた', help_close: '閉じる',
   help_pointer: 'マウスとペン', help_touch: '指', help_keys: 'キー',

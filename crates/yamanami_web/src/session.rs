@@ -303,6 +303,17 @@ impl Session {
         with_stage!(&self.content, stage => stage.is_moving(), else false)
     }
 
+    /// Whether nothing that could be shown finer is on its way, or must be asked for.
+    pub(crate) fn is_complete(&self) -> bool {
+        let has_all = match &self.content {
+            Content::OpeningTerrain(_) | Content::OpeningModel(_) => false,
+            Content::Terrain(stage) => stage.rows().is_empty() && stage.feed.has_pinned(&stage.subject),
+            Content::Model(stage) => stage.rows().is_empty(),
+            Content::Lost => true,
+        };
+        has_all && self.stream.in_flight() == 0 && !self.is_moving()
+    }
+
     /// Reads the ground of the map where it must be, as far as its pages have come.
     fn update_map(&mut self) -> Result<(), Error> {
         let Content::Terrain(stage) = &mut self.content else { return Ok(()) };

@@ -109,11 +109,6 @@ impl PackStream {
         self.flights.len()
     }
 
-    /// Whether nothing that is wanted is missing.
-    pub(crate) fn is_complete(&self) -> bool {
-        self.wanted.is_empty() && self.flights.is_empty()
-    }
-
     /// Says what is wanted from now on, the most urgent first, and gives what is at hand already.
     pub(crate) fn want(&mut self, items: impl IntoIterator<Item = Item>) -> Vec<Arrived> {
         self.wanted.clear();

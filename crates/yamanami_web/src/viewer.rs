@@ -91,7 +91,7 @@ impl Viewer {
             "wanted_bytes": session.stream.wanted_bytes(),
             "resident_bytes": session.resident_bytes(),
             "in_flight": session.stream.in_flight(),
-            "is_complete": session.stream.is_complete() && !session.is_moving(),
+            "is_complete": session.is_complete(),
         })
         .to_string()
     }

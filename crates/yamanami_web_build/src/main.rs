@@ -2,7 +2,6 @@
 //!
 //! Called by `cargo xtask web` with the compiled wasm, the folder of the page and the folder to write.
 
-mod optimise;
 mod weigh;
 
 use std::path::{Path, PathBuf};
@@ -33,8 +32,6 @@ fn put_together(wasm: &Path, page: &Path, out: &Path) -> Result<(), String> {
     std::fs::create_dir_all(parent).map_err(|cause| format!("{}: {cause}", parent.display()))?;
     let fresh = tempfile::tempdir_in(parent).map_err(|cause| format!("{}: {cause}", parent.display()))?;
     bind(wasm, fresh.path())?;
-    let module = fresh.path().join(format!("{MODULE}_bg.wasm"));
-    println!("{}", optimise::optimise(&module)?);
     copy_page(page, fresh.path())?;
     println!("{}", weigh::table(fresh.path())?);
     swap_in(fresh.path(), out)
@@ -47,6 +44,7 @@ fn bind(wasm: &Path, out: &Path) -> Result<(), String> {
     bindgen.web(true).map_err(|cause| failed(&cause))?;
     // with the path left out a plain `init()` would not know where the wasm is
     bindgen.omit_default_module_path(false).typescript(false).out_name(MODULE).input_path(wasm);
+    bindgen.remove_name_section(true).remove_producers_section(true);
     bindgen.generate(out).map_err(|cause| failed(&format!("{cause:#}")))
 }
 

@@ -49,7 +49,13 @@ impl Geodetic {
         let [dx, dy] = geo.step_m;
         let tolerance_m = options.tolerance_m.unwrap_or(USUAL_TOLERANCE * dx.max(dy));
         let [low, high] = terrain.range_m().map(f64::from);
-        let mut cut = CutOptions { zooms, tolerance_m, globe_radius_m: Some(RADIUS_M), height_range_m: [low, high] };
+        let mut cut = CutOptions {
+            zooms,
+            tolerance_m,
+            globe_radius_m: Some(RADIUS_M),
+            height_range_m: [low, high],
+            fill_m: None,
+        };
         let _ = (&mut cut, notes, HeightKind::Ellipsoidal);
         Ok(Self { placement, options: cut })
     }

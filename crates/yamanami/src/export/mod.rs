@@ -6,8 +6,11 @@ mod model_cells;
 mod model_tiles;
 mod placement;
 mod quantized_mesh;
+mod terrain_3d;
 mod terrain_rgb;
 mod terrain_tiles;
+#[cfg(test)]
+mod tests_3d;
 mod tiles3d;
 mod tileset_files;
 

@@ -256,7 +256,3 @@ impl Cells {
         Self { step_m, subdivision, low, side }
     }
 }
-
-#[cfg(test)]
-#[path = "model_cells_tests.rs"]
-mod tests;

@@ -38,7 +38,7 @@ pub const RULES: &[Rule] = &[
     rule("QM13", Error, "the bounding sphere holds every vertex"),
     rule("QM14", Note, "the centre is that of the tile"),
     rule("QM15", Warning, "the horizon occlusion point hides nothing that can be seen"),
-    rule("QM16", Warning, "some vertex has the least height and some the greatest"),
+    rule("QM16", Note, "the heights of the header are about those of the vertices"),
     rule("QM17", Error, "extensions are as long as they say and as their kind asks for"),
     rule("QM18", Warning, "normals point up"),
     rule("QM19", Error, "the triangles fill the tile"),

@@ -74,7 +74,10 @@ pub fn quantized_mesh(bytes: &[u8], faults: &mut Faults) -> Option<QuantizedMesh
         // some encoders always write four bytes
         let mut again = start;
         let mut others = QuantizedMesh { vertices: std::mem::take(&mut tile.vertices), ..QuantizedMesh::default() };
-        if corners(&mut again, true, &mut others, &mut Faults::default()) {
+        let none = &mut Faults::default();
+        let is_sound =
+            corners(&mut again, true, &mut others, none) && sides(&mut again.clone(), true, &mut others, none);
+        if is_sound && !others.triangles.is_empty() {
             let found = format!("corners of four bytes for {count} vertices");
             faults.add("QM08", "triangles", "corners of two bytes up to 65536 vertices", found);
             (tile.triangles, wide, bytes, own) = (others.triangles, true, again, Faults::default());
@@ -83,6 +86,12 @@ pub fn quantized_mesh(bytes: &[u8], faults: &mut Faults) -> Option<QuantizedMesh
     }
     for fault in own.0 {
         faults.0.push(fault);
+    }
+    let mut is_used = vec![false; count];
+    tile.triangles.iter().flatten().for_each(|&k| is_used[k as usize] = true);
+    let unused = is_used.iter().filter(|used| !**used).count();
+    if unused > 0 {
+        faults.add("QM24", "triangles", "every vertex in a triangle", format!("{unused} of {count} in none"));
     }
     if sides(&mut bytes, wide, &mut tile, faults) {
         extensions(bytes, &mut tile, faults);
@@ -187,10 +196,6 @@ fn corners(bytes: &mut Bytes<'_>, wide: bool, tile: &mut QuantizedMesh, faults: 
             }
             whole = true;
         }
-    }
-    if sound && mark < limit {
-        let found = format!("{mark} of {limit} vertices");
-        faults.add("QM24", "triangles", "every vertex in a triangle", found);
     }
     sound
 }

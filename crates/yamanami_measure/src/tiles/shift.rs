@@ -11,6 +11,9 @@ pub struct Shift {
     yy: f64,
     xr: f64,
     yr: f64,
+    x: f64,
+    y: f64,
+    r: f64,
     count: u64,
 }
 
@@ -23,6 +26,9 @@ impl Shift {
             self.yy += gy * gy;
             self.xr += gx * residual_m;
             self.yr += gy * residual_m;
+            self.x += gx;
+            self.y += gy;
+            self.r += residual_m;
             self.count += 1;
         }
     }
@@ -34,19 +40,27 @@ impl Shift {
         self.yy += other.yy;
         self.xr += other.xr;
         self.yr += other.yr;
+        self.x += other.x;
+        self.y += other.y;
+        self.r += other.r;
         self.count += other.count;
     }
 
     /// By how many samples the surface is moved along x and y; `None` where the ground is too even, or of one slope only, to
     /// say.
     pub fn samples(&self) -> Option<[f64; 2]> {
-        let determinant = self.xx * self.yy - self.xy * self.xy;
-        if self.count < 100 || determinant <= 1e-6 * (self.xx + self.yy).powi(2) {
+        // about the means, so that a surface that is too high is not taken for one that is moved
+        let n = self.count as f64;
+        let (mx, my, mr) = (self.x / n, self.y / n, self.r / n);
+        let (xx, xy, yy) = (self.xx - n * mx * mx, self.xy - n * mx * my, self.yy - n * my * my);
+        let (xr, yr) = (self.xr - n * mx * mr, self.yr - n * my * mr);
+        let determinant = xx * yy - xy * xy;
+        if self.count < 100 || determinant <= 1e-6 * (xx + yy).powi(2) {
             return None;
         }
         // a surface moved by d has the heights of x - d
-        let x = -(self.yy * self.xr - self.xy * self.yr) / determinant;
-        let y = -(self.xx * self.yr - self.xy * self.xr) / determinant;
+        let x = -(yy * xr - xy * yr) / determinant;
+        let y = -(xx * yr - xy * xr) / determinant;
         Some([x, y])
     }
 }
@@ -65,7 +79,7 @@ mod tests {
                 (height(x + 1.0, y) - height(x - 1.0, y)) / 2.0,
                 (height(x, y + 1.0) - height(x, y - 1.0)) / 2.0,
             ];
-            shift.add(gradient, height(x - 0.5, y + 0.25) - height(x, y));
+            shift.add(gradient, height(x - 0.5, y + 0.25) - height(x, y) + 7.0);
         }
         let [x, y] = shift.samples().unwrap();
         assert!((x - 0.5).abs() < 0.02 && (y + 0.25).abs() < 0.02, "{x} {y}");

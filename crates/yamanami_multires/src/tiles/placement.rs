@@ -82,6 +82,35 @@ impl Placement {
         }
     }
 
+    /// Tile space of a place that may lie outside of the grid.
+    pub(crate) fn beyond(&self, [column, row]: [i64; 2]) -> [f64; 2] {
+        match &self.0 {
+            Kind::Axes { x, y } => {
+                let at = |values: &[f64], k: i64| {
+                    let last = values.len() - 1;
+                    match k {
+                        k if k < 0 => values[0] + k as f64 * (values[1] - values[0]),
+                        k if k > last as i64 => {
+                            values[last] + (k - last as i64) as f64 * (values[last] - values[last - 1])
+                        }
+                        k => values[k as usize],
+                    }
+                };
+                [at(x, column), at(y, row)]
+            }
+            Kind::Warped { to_tiles, .. } => to_tiles([column as f64, row as f64]),
+        }
+    }
+
+    /// More than the greatest distance of neighbouring samples in tile space.
+    pub(crate) fn widest_step(&self) -> f64 {
+        let most = |values: &[f64]| values.windows(2).map(|w| (w[1] - w[0]).abs()).fold(0.0, f64::max);
+        match &self.0 {
+            Kind::Axes { x, y } => most(x).max(most(y)),
+            Kind::Warped { stretch, .. } => stretch.iter().copied().fold(0.0, f64::max) * 2.0,
+        }
+    }
+
     /// Column and row, between samples, of a place; past the grid they run on.
     pub fn grid(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         match &self.0 {

@@ -1,11 +1,20 @@
-//! The laws of tiles of models: no crack at any mix of levels, and errors that hold.
+//! The laws of 3D Tiles of models and terrains: no crack at any mix of levels, and errors that hold.
 
-use super::*;
-use crate::{GeoidChoice, HeightKind, ModelBuild};
+use super::model_cells::Plan;
+use super::placement::Placement;
+use super::terrain_3d::{Ground, tile_place};
+use super::terrain_tiles::TerrainTiles;
+use super::tileset_files::TilePlace;
+use super::{ExportOptions, GeoidChoice, HeightKind};
+use crate::{Model, ModelBuild, Subject, Terrain};
+use glam::DVec3;
 use std::collections::{BTreeMap, HashMap, HashSet};
+use yamanami_core::{GeoReference, HeightField};
 use yamanami_core::{Tin, TriangleMesh};
 use yamanami_io::crs::from_epsg;
+use yamanami_io::tiles::glb::LatticeMesh;
 use yamanami_measure::SurfaceIndex;
+use yamanami_multires::tiles::CutScratch;
 use yamanami_testkit::{Shape, Spacing, SyntheticTerrain, models};
 
 struct Cut {
@@ -57,8 +66,8 @@ fn check_seams(cut: &Cut, outer: &HashSet<[i64; 3]>) {
         add_border(&mut chain, parent, 1);
         children.iter().for_each(|child| add_border(&mut chain, child, -1));
         let is_outer = |edge: &Edge| edge.iter().all(|p| outer.contains(p));
-        let torn = chain.iter().filter(|&(edge, &n)| n != 0 && !is_outer(edge)).count();
-        assert_eq!(torn, 0, "tile {level} {place:?}");
+        let torn: Vec<(&Edge, &i64)> = chain.iter().filter(|&(edge, &n)| n != 0 && !is_outer(edge)).collect();
+        assert!(torn.is_empty(), "tile {level} {place:?}: {torn:?}");
     }
     assert!(parents > 3 && cut.levels > 2, "{parents} tiles with children on {} levels", cut.levels);
 }
@@ -140,4 +149,72 @@ fn tiles_of_a_tin_on_the_globe_have_no_cracks_and_true_errors() {
     let normal =
         cut.parts[&(0, [0; 3])].0.normals.iter().fold(DVec3::ZERO, |sum, n| sum + DVec3::from_array(n.map(f64::from)));
     assert!(normal.normalize().z > 0.95);
+}
+
+/// A terrain's samples where they stand, and its tiles with the places on its outer border.
+fn cut_terrain(field: HeightField, options: &ExportOptions) -> (TriangleMesh, Cut, HashSet<[i64; 3]>) {
+    let [columns, rows] = [field.width(), field.height()].map(|n| (n - 1) as f64);
+    let terrain = Terrain::build(field.clone(), "hills".to_owned(), &|_| ()).unwrap();
+    let (ground, cut_options) = Ground::of(&terrain, options, &mut Vec::new()).unwrap();
+    let cutter = TerrainTiles::new(&terrain, &ground.space, &cut_options);
+    let mut cut = Cut { parts: BTreeMap::new(), step_m: ground.step_m, levels: cut_options.zooms[1] as usize + 1 };
+    let mut outer = HashSet::new();
+    for tile in (0..=cut_options.zooms[1]).flat_map(|zoom| cutter.tiles(zoom)) {
+        let piece = cutter.cut(tile, &mut CutScratch::default()).unwrap();
+        let (mesh, range) = ground.mesh(tile, &piece, &terrain).unwrap();
+        assert_eq!(range.is_some(), ground.placement.is_some());
+        for (&place, &steps) in piece.places.iter().zip(&mesh.places) {
+            let [c, r] = ground.space.grid(tile_place(tile, place));
+            if c.min(columns - c).min(r).min(rows - r) < 1e-2 {
+                outer.insert(steps);
+            }
+        }
+        cut.parts.insert((tile.zoom, [tile.x, tile.y, 0]), (mesh, ground.error_m(&piece)));
+    }
+    let mut samples = TriangleMesh::default();
+    for r in 0..field.height() {
+        for c in 0..field.width() {
+            let z = f64::from(field.at(c, r));
+            let [x, y] = terrain.geo().source_from_grid(c as f64, r as f64);
+            let local = terrain.local_from_source(DVec3::new(x, y, z));
+            samples.positions.push(ground.placement.as_ref().map_or(local, |p| p.local(DVec3::new(x, y, z))));
+        }
+    }
+    (samples, cut, outer)
+}
+
+#[test]
+fn tiles_of_terrains_have_no_cracks_and_true_errors() {
+    let hills = SyntheticTerrain::new(300, 270, Shape::mountains(4), Spacing::Metres(40.0)).to_field();
+    let heights = hills.heights_m().to_vec();
+    let utm = GeoReference::new(from_epsg(32654).unwrap(), [290e3, 3_920e3], [40.0, -40.0], [300, 270]);
+    let degrees = GeoReference::new(from_epsg(4326).unwrap(), [138.0, 35.5], [4e-4, -4e-4], [300, 270]);
+    for geo in [utm, degrees, hills.geo().clone()] {
+        let options = ExportOptions {
+            tolerance_m: Some(4.0),
+            zooms: Some([0, 3]),
+            heights: Some(HeightKind::Ellipsoidal),
+            ..ExportOptions::default()
+        };
+        let field = HeightField::new(300, 270, heights.clone(), geo);
+        let (samples, cut, outer) = cut_terrain(field, &options);
+        check_seams(&cut, &outer);
+        for level in 0..cut.levels as u32 {
+            let (mut shown, mut most_m) = (TriangleMesh::default(), 0.0f64);
+            for (part, error_m) in cut.parts.iter().filter(|(tile, _)| tile.0 == level).map(|(_, part)| part) {
+                let first = shown.positions.len() as u32;
+                shown.positions.extend(part.places.iter().map(|p| DVec3::from_array(p.map(|c| c as f64)) * cut.step_m));
+                shown.triangles.extend(part.triangles.iter().map(|t| t.map(|v| v + first)));
+                most_m = most_m.max(*error_m);
+            }
+            assert!(most_m < 20.0 * f64::from(8 >> level), "level {level}: {most_m} m");
+            let index = SurfaceIndex::new(&shown);
+            for &p in samples.positions.iter().step_by(17) {
+                let off_m = index.closest(p).unwrap().distance_m;
+                assert!(off_m <= most_m, "level {level}: {off_m} m off, {most_m} m promised");
+            }
+        }
+        let leaf = &cut.parts[&(3, [3, 3, 0])].0;
+        assert!(leaf.normals.iter().all(|n| n[2] > 0.3) && leaf.normals.len() == leaf.places.len());
+    }
 }
