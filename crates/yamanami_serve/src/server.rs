@@ -8,6 +8,7 @@ use crate::routes::{App, router};
 use crate::surface::Surfaces;
 use crate::viewer::Viewer;
 use crate::work::Work;
+use socket2::{Domain, Socket, Type};
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};
 use std::sync::Arc;
 use std::time::Duration;
@@ -16,6 +17,9 @@ use std::time::Duration;
 const LAST_WAIT: Duration = Duration::from_millis(200);
 /// Threads that talk: they only pass bytes on.
 const TALKERS: usize = 2;
+
+/// Connections that wait to be accepted.
+const BACKLOG: i32 = 4096;
 
 /// How to serve.
 #[derive(Debug, Clone)]
@@ -46,8 +50,7 @@ impl Server {
     /// Takes the address.
     pub fn bind(surfaces: Surfaces, viewer: Viewer, options: &ServeOptions) -> Result<Self, ServeError> {
         let failed = |source| ServeError::Listen { address: options.listen, source };
-        let listener = TcpListener::bind(options.listen).map_err(failed)?;
-        listener.set_nonblocking(true).map_err(failed)?;
+        let listener = listen(options.listen).map_err(failed)?;
         let address = listener.local_addr().map_err(failed)?;
         let limits = options.limits.clone();
         let processors = std::thread::available_parallelism().map_or(1, usize::from);
@@ -86,6 +89,18 @@ impl Server {
         runtime.shutdown_timeout(LAST_WAIT);
         served
     }
+}
+
+/// Listens with room for a rush of connections, more than the library's usual 128.
+fn listen(address: SocketAddr) -> std::io::Result<TcpListener> {
+    let socket = Socket::new(Domain::for_address(address), Type::STREAM, None)?;
+    // a server that is started again need not wait for the last one's connections to be forgotten
+    #[cfg(unix)]
+    socket.set_reuse_address(true)?;
+    socket.set_nonblocking(true)?;
+    socket.bind(&address.into())?;
+    socket.listen(BACKLOG)?;
+    Ok(socket.into())
 }
 
 /// Ends when the program is told to stop.
