@@ -295,7 +295,10 @@ impl<D: TerrainData> Job<'_, '_, D> {
         let out = (0..2).map(|k| (spot[k] - near[k]).abs()).max().unwrap_or(0);
         match self.ground.plan.fill_m {
             Some(fill_m) if out == RIM => fill_m,
-            _ => f64::from(self.ground.data.sample_height_m(near[0] as u32, near[1] as u32)),
+            _ => {
+                let z = f64::from(self.ground.data.sample_height_m(near[0] as u32, near[1] as u32));
+                z + self.ground.placement.lift_m(near.map(|k| k as f64))
+            }
         }
     }
 
