@@ -193,6 +193,7 @@ impl Ground {
             tolerance_m,
             globe_radius_m: placement.as_ref().map(|_| RADIUS_M),
             height_range_m: terrain.range_m().map(f64::from),
+            fill_m: None,
         };
         let [width_m, height_m] = terrain.extent_m();
         let size = Aabb { min: DVec3::ZERO, max: DVec3::new(width_m, height_m, 0.0) };

@@ -1,7 +1,9 @@
 //! One tile of a terrain.
 
+use super::apron::{RIM, Spot, outside};
 use super::border::Side;
 use super::clip::{Corner, Place, area, clip, ears};
+use super::fill::{fill, open_edges};
 use super::piece::{GRID, Tile, TilePiece};
 use super::placement::Placement;
 use super::plan::{CutOptions, Plan, ZoomPlan};
@@ -88,7 +90,17 @@ impl Sheet {
         }
         let moved_m = (exact.slope[0].abs() * moved[0] + exact.slope[1].abs() * moved[1]) as f32;
         self.off_m.push(off_m as f32);
-        for &v in &corners {
+        self.count(&corners, error_m, moved_m);
+    }
+
+    /// Adds a triangle that no sample is near.
+    fn add_far(&mut self, corners: [u32; 3]) {
+        self.triangles.push(corners);
+        self.off_m.push(f32::NEG_INFINITY);
+    }
+
+    fn count(&mut self, corners: &[u32; 3], error_m: f32, moved_m: f32) {
+        for &v in corners {
             let v = v as usize;
             self.error_m[v] = self.error_m[v].max(error_m);
             self.moved_m[v] = self.moved_m[v].max(moved_m);
@@ -199,9 +211,16 @@ impl<'a, D: TerrainData> Cutter<'a, D> {
                     job.whole(corners, self.plan.sagitta_m[level as usize] as f32 + error_m);
                 }
                 Item::Single(corners, level, error_m, true) => {
+                    let corners = corners.map(|c| c.map(i64::from));
+                    job.clipped(corners, self.plan.sagitta_m[level as usize] as f32 + error_m, absent);
+                }
+                Item::Rim(corners, level, error_m) => {
                     job.clipped(corners, self.plan.sagitta_m[level as usize] as f32 + error_m, absent);
                 }
             }
+        }
+        if self.plan.fill_m.is_some() && absent.is_empty() {
+            job.fill(absent);
         }
         if !absent.is_empty() {
             absent.sort_unstable();
@@ -243,6 +262,46 @@ impl<D: TerrainData> Job<'_, '_, D> {
         u64::from(row) * u64::from(self.ground.lattice.width()) + u64::from(column)
     }
 
+    fn size(&self) -> [u32; 2] {
+        [self.ground.lattice.width(), self.ground.lattice.height()]
+    }
+
+    /// A sample, unless a spot lies on the rim.
+    fn inside(&self, spot: Spot) -> Option<[u32; 2]> {
+        let size = self.size();
+        (0..2).all(|k| (0..i64::from(size[k])).contains(&spot[k])).then(|| spot.map(|k| k as u32))
+    }
+
+    fn spot_number(&self, spot: Spot) -> u64 {
+        self.inside(spot).map_or_else(
+            || {
+                let [column, row] = spot.map(|k| (k + RIM) as u64);
+                1 << 34 | (row * (u64::from(self.size()[0]) + 2 * RIM as u64) + column)
+            },
+            |sample| self.number(sample),
+        )
+    }
+
+    fn spot_place(&self, spot: Spot) -> [f64; 2] {
+        match self.inside(spot) {
+            Some(sample) => self.ground.placement.place(sample),
+            None => self.ground.placement.beyond(spot),
+        }
+    }
+
+    fn spot_height_m(&self, spot: Spot) -> f64 {
+        let size = self.size();
+        let near = [0, 1].map(|k| spot[k].clamp(0, i64::from(size[k]) - 1));
+        let out = (0..2).map(|k| (spot[k] - near[k]).abs()).max().unwrap_or(0);
+        match self.ground.plan.fill_m {
+            Some(fill_m) if out == RIM => fill_m,
+            _ => {
+                let z = f64::from(self.ground.data.sample_height_m(near[0] as u32, near[1] as u32));
+                z + self.ground.placement.lift_m(near.map(|k| k as f64))
+            }
+        }
+    }
+
     /// Marks the corners of triangles at sides with a coarser lattice: they are put on its steps in the direction of the
     /// side. So what is parallel to it stays so, and no triangle turns over.
     fn flag(&mut self, items: &[Item]) {
@@ -250,12 +309,16 @@ impl<D: TerrainData> Job<'_, '_, D> {
             return;
         }
         for item in items {
-            let Item::Single(corners, _, _, true) = *item else { continue };
-            let at = corners.map(|sample| self.ground.placement.place(sample));
+            let corners = match *item {
+                Item::Single(corners, _, _, true) => corners.map(|c| c.map(i64::from)),
+                Item::Rim(corners, ..) => corners,
+                _ => continue,
+            };
+            let at = corners.map(|spot| self.spot_place(spot));
             for (k, side) in self.sides.iter().enumerate().filter(|(_, side)| side.stride() > 1) {
                 let touches = at.iter().any(|p| p[side.axis] <= side.at) && at.iter().any(|p| p[side.axis] >= side.at);
                 if touches {
-                    for number in corners.map(|sample| self.number(sample)) {
+                    for number in corners.map(|spot| self.spot_number(spot)) {
                         *self.flags.entry(number, || 0) |= 1 << k;
                     }
                 }
@@ -270,11 +333,19 @@ impl<D: TerrainData> Job<'_, '_, D> {
 
     /// The vertex of a sample in the tile or on its sides.
     fn sample(&mut self, sample: [u32; 2], absent: &mut Vec<LatticeNode>) -> u32 {
-        let number = self.number(sample);
+        match self.vertices.get(self.number(sample)) {
+            Some(vertex) => vertex,
+            None => self.spot(sample.map(i64::from), absent),
+        }
+    }
+
+    /// The vertex of a sample or a spot of the rim.
+    fn spot(&mut self, spot: Spot, absent: &mut Vec<LatticeNode>) -> u32 {
+        let number = self.spot_number(spot);
         if let Some(vertex) = self.vertices.get(number) {
             return vertex;
         }
-        let at = self.ground.placement.place(sample);
+        let at = self.spot_place(spot);
         let exact = self.local(at);
         if let Some(k) = (0..4).find(|&k| at[self.sides[k].axis] == self.sides[k].at) {
             let along = at[1 - self.sides[k].axis];
@@ -291,7 +362,7 @@ impl<D: TerrainData> Job<'_, '_, D> {
             // what is inside stays strictly so: the vertices on the sides are for both tiles to agree on
             step.clamp(1, LAST - 1) as u16
         });
-        let z = f64::from(self.ground.data.sample_height_m(sample[0], sample[1]));
+        let z = self.spot_height_m(spot);
         let quantum_m = self.limits.inner_quantum_m;
         let vertex = self.sheet.push(place, (z / quantum_m).round() * quantum_m, [exact[0], exact[1], z]);
         *self.vertices.entry(number, || vertex)
@@ -315,10 +386,10 @@ impl<D: TerrainData> Job<'_, '_, D> {
         *self.vertices.entry(key, || vertex)
     }
 
-    fn plane(&self, corners: [[u32; 2]; 3]) -> Plane {
-        Plane::through(corners.map(|sample| {
-            let [u, v] = self.local(self.ground.placement.place(sample));
-            [u, v, f64::from(self.ground.data.sample_height_m(sample[0], sample[1]))]
+    fn plane(&self, corners: [Spot; 3]) -> Plane {
+        Plane::through(corners.map(|spot| {
+            let [u, v] = self.local(self.spot_place(spot));
+            [u, v, self.spot_height_m(spot)]
         }))
     }
 
@@ -334,15 +405,14 @@ impl<D: TerrainData> Job<'_, '_, D> {
     }
 
     /// A triangle that a side crosses or touches.
-    fn clipped(&mut self, corners: [[u32; 2]; 3], error_m: f32, absent: &mut Vec<LatticeNode>) {
-        let triangle =
-            corners.map(|sample| Place { at: self.ground.placement.place(sample), number: self.number(sample) });
+    fn clipped(&mut self, corners: [Spot; 3], error_m: f32, absent: &mut Vec<LatticeNode>) {
+        let triangle = corners.map(|spot| Place { at: self.spot_place(spot), number: self.spot_number(spot) });
         let mut polygon = std::mem::take(self.polygon);
         clip(&triangle, self.sides, &mut polygon);
         let mut ring: Vec<u32> = Vec::with_capacity(polygon.len());
         for corner in &polygon {
             let vertex = match *corner {
-                Corner::Own(k) => self.sample(corners[k], absent),
+                Corner::Own(k) => self.spot(corners[k], absent),
                 Corner::On(side, along) => self.step(side, self.sides[side].snap(along), absent),
                 Corner::Tile(a, b) => {
                     let upright = if self.sides[a].axis == 0 { a } else { b };
@@ -361,10 +431,14 @@ impl<D: TerrainData> Job<'_, '_, D> {
             return;
         }
         let ring = self.with_forced(&ring, absent);
-        let plane = self.plane(corners);
         let places: Vec<[i32; 2]> = ring.iter().map(|&v| self.sheet.ints(v)).collect();
+        let is_far = corners.iter().any(|&spot| outside(spot.map(|k| k as f64), self.size()) > 1.0);
+        let plane = self.plane(corners);
         let sheet = &mut *self.sheet;
-        ears(&places, |t| sheet.add(t.map(|k| ring[k]), &plane, error_m));
+        ears(&places, |t| {
+            let corners = t.map(|k| ring[k]);
+            if is_far { sheet.add_far(corners) } else { sheet.add(corners, &plane, error_m) }
+        });
     }
 
     /// The ring with the vertices on the sides that must be there for the finer tiles beside it.
@@ -390,5 +464,83 @@ impl<D: TerrainData> Job<'_, '_, D> {
             }
         }
         out
+    }
+
+    /// Fills what lies outside of the terrain and its rim.
+    fn fill(&mut self, absent: &mut Vec<LatticeNode>) {
+        let size = self.size();
+        let grid = |place: [f64; 2]| self.ground.placement.grid(place);
+        let scale = self.scale;
+        let tile = self.tile;
+        let at = move |u: f64, v: f64| {
+            [
+                (u / f64::from(GRID) + f64::from(tile.x)) / scale,
+                (v / f64::from(GRID) + f64::from(tile.y)) / scale,
+            ]
+        };
+        let out = |u: f64, v: f64| {
+            let place = grid(at(u, v));
+            if place[0].is_nan() || place[1].is_nan() { f64::INFINITY } else { outside(place, size) }
+        };
+        let last = GRID as u16;
+        let corners = [[0, 0], [last, 0], [0, last], [last, last]];
+        let beyond = corners.map(|[u, v]| out(u.into(), v.into()) >= RIM as f64);
+        let on_side = |a: [u16; 2], b: [u16; 2]| (0..2).any(|k| a[k] == b[k] && (a[k] == 0 || a[k] == last));
+        let mut open = Vec::new();
+        for [a, b] in open_edges(&self.sheet.triangles) {
+            let [p, q] = [a, b].map(|v| self.sheet.places[v as usize]);
+            if !on_side(p, q) {
+                open.push([a, b]);
+            }
+        }
+        let outer: Vec<bool> = open
+            .iter()
+            .map(|edge| {
+                let [p, q] = edge.map(|v| self.sheet.places[v as usize].map(f64::from));
+                out(0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])) > RIM as f64 - 0.5
+            })
+            .collect();
+        if !outer.contains(&true) && !beyond.contains(&true) {
+            return;
+        }
+        let parts = self.ground.plan.fill_parts(self.tile.zoom);
+        let between: Vec<u16> = (1..1u32 << parts).map(|k| (k * GRID >> parts) as u16).collect();
+        // on the sides, what the neighbours have, too
+        let mut wanted: Vec<(usize, u16)> = Vec::new();
+        for side in 0..4 {
+            let forced = self.sides[side].forced.iter();
+            let own = if self.tile.zoom < self.ground.plan.closed { &between[..] } else { &[] };
+            for &step in forced.chain(own).chain(&[0, last]) {
+                let far = if side < 2 { 0.0 } else { f64::from(GRID) };
+                let (u, v) = if side % 2 == 0 { (far, f64::from(step)) } else { (f64::from(step), far) };
+                if out(u, v) >= RIM as f64 {
+                    wanted.push((side, step));
+                }
+            }
+        }
+        let fill_m = self.ground.plan.fill_m.unwrap_or(0.0);
+        let quantum_m = self.limits.border_quantum_m;
+        let height_m = (fill_m / quantum_m).round() * quantum_m;
+        let inner: Vec<[u16; 2]> = between
+            .iter()
+            .flat_map(|&v| between.iter().map(move |&u| [u, v]))
+            .filter(|&[u, v]| out(u.into(), v.into()) >= RIM as f64 + 1.0)
+            .collect();
+        let (mut free, mut seeds) = (Vec::new(), Vec::new());
+        for (side, step) in wanted {
+            let vertex = self.step(side, step, absent);
+            free.push(vertex);
+            if step == 0 || step == last {
+                seeds.push(vertex);
+            }
+        }
+        for place in inner {
+            let [u, v] = place.map(f64::from);
+            free.push(self.sheet.push(place, height_m, [u, v, height_m]));
+        }
+        let mut number = outer.iter();
+        let is_outer: Vec<[u32; 2]> = open.iter().filter(|_| number.next() == Some(&true)).copied().collect();
+        let filled = fill(&self.sheet.places, &open, |edge| is_outer.contains(&edge), &free, &seeds);
+        filled.into_iter().for_each(|corners| self.sheet.add_far(corners));
     }
 }

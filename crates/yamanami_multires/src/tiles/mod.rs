@@ -8,9 +8,11 @@
 //! same in all zooms, and so is the line that they draw on it; its vertices stand on a lattice that all zooms share. There is no
 //! skirt. How this came about is in `docs/decisions/0019`.
 
+mod apron;
 mod border;
 mod clip;
 mod cut;
+mod fill;
 mod locate;
 mod piece;
 mod placement;

@@ -12,8 +12,10 @@ pub struct CutOptions {
     /// Radius of the globe, metres, when vertices will be joined by straight lines in space: then the rise of the globe
     /// over a triangle counts as an error. `None` for tiles that stay flat.
     pub globe_radius_m: Option<f64>,
-    /// What there is beside and within the data at least and at most, metres.
+    /// Lowest and highest height of the terrain, metres.
     pub height_range_m: [f64; 2],
+    /// What lies outside of the terrain is level ground of this height, metres; `None` leaves it out.
+    pub fill_m: Option<f64>,
 }
 
 /// Zooms above the finest whose borders are closed against all finer ones; more would make a tile of the coarsest all
@@ -29,6 +31,9 @@ const QUANTUM_SHARE: f64 = 1.0 / 32.0;
 
 /// Steps along a border that a sample's spacing has at least, on the coarsest lattice of closed borders.
 const STEPS_A_SAMPLE: f64 = 4.0;
+
+/// Most parts of the fill along a side, as a power of two.
+const MOST_FILL_PARTS: u32 = 6;
 
 /// What holds for one zoom.
 #[derive(Debug, Clone)]
@@ -53,6 +58,9 @@ pub(crate) struct Plan {
     zooms: Vec<ZoomPlan>,
     /// By level: how far a triangle's chord lies below the globe, metres.
     pub(crate) sagitta_m: Vec<f64>,
+    pub(crate) fill_m: Option<f64>,
+    /// Length of a unit of tile space that a chord over it rises above the globe by the finest tolerance; 0 when flat.
+    chord: f64,
 }
 
 impl Plan {
@@ -69,9 +77,11 @@ impl Plan {
                 options.globe_radius_m.map_or(0.0, |radius_m| side * side * hypotenuse_2 / (8.0 * radius_m))
             })
             .collect();
-        let relief_m = (options.height_range_m[1] - options.height_range_m[0]).max(1e-3);
+        let [low_m, high_m] = options.height_range_m;
+        let (low_m, high_m) = options.fill_m.map_or((low_m, high_m), |fill_m| (low_m.min(fill_m), high_m.max(fill_m)));
+        let relief_m = (high_m - low_m).max(1e-3);
         // a tile's heights are steps of 16 bits from its lowest one, and its ends are told in single precision
-        let highest_m = options.height_range_m[0].abs().max(options.height_range_m[1].abs()) + relief_m;
+        let highest_m = low_m.abs().max(high_m.abs()) + relief_m;
         let least_m = (relief_m * 1.001 / f64::from(super::GRID - 2)).max(highest_m * 2f64.powi(-23));
         let range_quantum_m = least_m.log2().ceil().exp2();
         let error_m = |zoom: u32| options.tolerance_m * f64::from(last - zoom.min(last)).exp2();
@@ -97,7 +107,18 @@ impl Plan {
                 }
             })
             .collect();
-        Self { first, last, closed, zooms, sagitta_m }
+        let chord_m = options.globe_radius_m.map_or(0.0, |radius_m| (8.0 * radius_m * options.tolerance_m).sqrt());
+        let chord = chord_m * sample / step_m[0].max(step_m[1]);
+        Self { first, last, closed, zooms, sagitta_m, fill_m: options.fill_m, chord }
+    }
+
+    /// Into how many parts the fill of a tile is divided along its sides, as a power of two.
+    pub(crate) fn fill_parts(&self, zoom: u32) -> u32 {
+        if self.chord == 0.0 {
+            return 0;
+        }
+        let (side, error) = (0.5f64.powi(zoom as i32), f64::from(self.last - zoom.min(self.last)).exp2());
+        (side / (self.chord * error.sqrt())).log2().ceil().clamp(0.0, f64::from(MOST_FILL_PARTS)) as u32
     }
 
     pub(crate) fn zoom(&self, zoom: u32) -> &ZoomPlan {
@@ -144,8 +165,13 @@ mod tests {
 
     #[test]
     fn a_line_has_one_lattice_from_its_coarsest_zoom_on() {
-        let options =
-            CutOptions { zooms: [0, 12], tolerance_m: 10.0, globe_radius_m: None, height_range_m: [0.0, 3000.0] };
+        let options = CutOptions {
+            zooms: [0, 12],
+            tolerance_m: 10.0,
+            globe_radius_m: None,
+            height_range_m: [0.0, 3000.0],
+            fill_m: None,
+        };
         let plan = Plan::new(&options, 10, [30.0; 2], 1.0 / 4096.0 / 150.0);
         assert_eq!(plan.closed, 6);
         assert_eq!([9, 10, 11, 12].map(|z| plan.lattice_zoom(z, 3 << (z - 9))), [9; 4]);

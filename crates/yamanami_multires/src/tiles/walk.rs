@@ -1,5 +1,6 @@
 //! The front of a zoom: which midpoints are applied, and the triangles of it that reach into a tile.
 
+use super::apron::{RIM, Spot, rim};
 use super::placement::Placement;
 use super::plan::{Plan, ZoomPlan};
 use crate::wavelet::{ALL, Config, TEMPLATES, TerrainData, Triangle, doubled_area};
@@ -42,6 +43,8 @@ pub(super) struct Ground<'a, D> {
     pub(super) placement: &'a Placement,
     pub(super) plan: &'a Plan,
     reaches: Vec<Reach>,
+    /// How far the rim reaches out of the grid in tile space; 0 without.
+    rim: f64,
 }
 
 /// Where a triangle and all that its refinement may draw lies.
@@ -64,6 +67,8 @@ pub(super) enum Item {
     Whole(Triangle, bool),
     /// A triangle of the front, by its samples; its level, its error, and whether a side crosses or touches it.
     Single([[u32; 2]; 3], u32, f32, bool),
+    /// A triangle of the rim, with the level and error of the one that it goes on from.
+    Rim([Spot; 3], u32, f32),
 }
 
 /// Children in an order in which each begins where the last one ended, or nearly so.
@@ -71,7 +76,8 @@ const ORDER: [usize; 4] = [1, 0, 3, 2];
 
 impl<'a, D: TerrainData> Ground<'a, D> {
     pub(super) fn new(data: &'a D, lattice: &'a Lattice, placement: &'a Placement, plan: &'a Plan) -> Self {
-        Self { data, lattice, placement, plan, reaches: reaches(lattice.levels()) }
+        let rim = plan.fill_m.map_or(0.0, |_| (RIM as f64 + 0.5) * placement.widest_step());
+        Self { data, lattice, placement, plan, reaches: reaches(lattice.levels()), rim }
     }
 
     /// Whether what a midpoint and its descendants change touches a border line of a zoom.
@@ -83,7 +89,16 @@ impl<'a, D: TerrainData> Ground<'a, D> {
             _ => [reach.across, reach.along],
         };
         let at = [m.x, m.y].map(|k| i64::from(k) << m.level);
-        self.placement.reach(at, half).into_iter().any(|[low, high]| (low * scale).ceil() <= high * scale)
+        // what changes at the grid's edge changes the rim
+        let out = if self.rim > 0.0 && self.meets_edge(at, half) { self.rim } else { 0.0 };
+        let reach = self.placement.reach(at, half);
+        reach.into_iter().any(|[low, high]| ((low - out) * scale).ceil() <= (high + out) * scale)
+    }
+
+    /// Whether what lies within `half` of a place meets the edge of the grid.
+    fn meets_edge(&self, at: [i64; 2], half: [i64; 2]) -> bool {
+        let last = [self.lattice.width(), self.lattice.height()].map(|n| i64::from(n) - 1);
+        (0..2).any(|k| at[k] - half[k] <= 0 || at[k] + half[k] >= last[k])
     }
 
     /// The applied midpoints of a triangle in the front of a zoom, [`ALL`] when all that exist are, and the greatest error of
@@ -126,6 +141,12 @@ impl<'a, D: TerrainData> Ground<'a, D> {
         if worst < 0 { (ALL, 0.0) } else { (config, yamanami_core::ErrorCode(worst as u16).to_m()) }
     }
 
+    /// Whether the rim goes on from a triangle: also where it holds no data, so that no hole opens to the outside.
+    fn has_rim(&self, t: Triangle) -> bool {
+        let half = 1i64 << t.level;
+        self.rim > 0.0 && self.meets_edge([t.x, t.y].map(|k| (i64::from(k) << t.level) + half / 2), [(half + 1) / 2; 2])
+    }
+
     /// Where a triangle lies; `tile` is the tile's x from..to and y from..to.
     fn lies(&self, t: Triangle, tile: &[[f64; 2]; 2]) -> Lies {
         let half = 1i64 << t.level;
@@ -137,15 +158,18 @@ impl<'a, D: TerrainData> Ground<'a, D> {
             (at.map(|k| k + half / 2), (half + 1) / 2)
         };
         let reach = self.placement.reach(middle, [spread; 2]);
+        let at_edge = self.has_rim(t);
+        let out = if at_edge { self.rim } else { 0.0 };
         let [mut inside, mut outside] = [true, false];
         for (r, side) in reach.iter().zip(tile) {
             inside &= r[0] > side[0] && r[1] < side[1];
-            outside |= r[1] < side[0] || r[0] > side[1];
+            outside |= r[1] + out < side[0] || r[0] - out > side[1];
         }
         if outside {
             return Lies::Outside;
         }
-        if !inside {
+        // where there is a rim, it comes with its triangles, one by one
+        if !inside || at_edge {
             return Lies::Across;
         }
         let beyond = t.level.checked_sub(1).map_or(0, |l| self.reaches[l as usize].across);
@@ -181,11 +205,11 @@ impl<'a, D: TerrainData> Ground<'a, D> {
         items: &mut Vec<Item>,
         absent: &mut Vec<LatticeNode>,
     ) {
-        if !self.data.shown(t.level, t.x, t.y, t.half) {
-            return;
-        }
+        let shown = self.data.shown(t.level, t.x, t.y, t.half);
         match self.lies(t, tile) {
             Lies::Outside => return,
+            Lies::Across if !shown && !self.has_rim(t) => return,
+            Lies::Inside | Lies::Deep if !shown => return,
             Lies::Inside => return items.push(Item::Whole(t, false)),
             Lies::Deep => return items.push(Item::Whole(t, true)),
             Lies::Across => {}
@@ -199,13 +223,17 @@ impl<'a, D: TerrainData> Ground<'a, D> {
             return;
         }
         self.drawn(t, config, |corners| {
+            if self.rim > 0.0 {
+                let size = [self.lattice.width(), self.lattice.height()];
+                rim(corners.map(|c| c.map(i64::from)), size, error_m, t.level, items);
+            }
             let at = corners.map(|sample| self.placement.place(sample));
             let (mut inside, mut outside) = (true, false);
             for (axis, side) in tile.iter().enumerate() {
                 inside &= at.iter().all(|p| p[axis] > side[0] && p[axis] < side[1]);
                 outside |= at.iter().all(|p| p[axis] <= side[0]) || at.iter().all(|p| p[axis] >= side[1]);
             }
-            if !outside {
+            if shown && !outside {
                 items.push(Item::Single(corners, t.level, error_m, !inside));
             }
         });
