@@ -1,9 +1,11 @@
 //! The global pyramid in longitude and latitude: two root tiles of 180 degrees, rows from the south.
 
-use super::{ExportOptions, HeightKind};
+use super::placement::Placement as Globe;
+use super::{ExportOptions, Fill};
 use crate::{Error, Terrain};
+use glam::DVec3;
 use std::sync::Arc;
-use yamanami_core::GeoReference;
+use yamanami_core::{Aabb, GeoReference};
 use yamanami_io::crs;
 use yamanami_multires::tiles::{CutOptions, Placement, Tile};
 
@@ -23,6 +25,10 @@ const RADIUS_M: f64 = 5_500_000.0;
 /// Degrees in a root tile.
 const ROOT_DEG: f64 = 180.0;
 
+/// Places looked at along each side of the terrain for how high the geoid is, and what it may be more between them, metres.
+const LOOKS: u32 = 9;
+const LIFT_MARGIN_M: f64 = 10.0;
+
 /// Where a terrain lies in the pyramid.
 #[derive(Debug)]
 pub(super) struct Geodetic {
@@ -41,22 +47,38 @@ impl Geodetic {
             )));
         }
         let size = terrain.size().map(|n| n as u32);
-        let placement = place(geo, size)
+        let mut placement = place(geo, size)
             .ok_or_else(|| Error::Request(format!("{}: lies outside of what its CRS is for", terrain.title())))?;
         let spacing = placement.spacing();
         let usual_last = (1.0 / (spacing * TILE_SAMPLES)).log2().ceil().clamp(0.0, f64::from(DEEPEST_ZOOM)) as u32;
         let zooms = options.zooms.unwrap_or([0, usual_last]);
         let [dx, dy] = geo.step_m;
         let tolerance_m = options.tolerance_m.unwrap_or(USUAL_TOLERANCE * dx.max(dy));
-        let [low, high] = terrain.range_m().map(f64::from);
-        let mut cut = CutOptions {
+        let [mut low, mut high] = terrain.range_m().map(f64::from);
+        if let Some(globe) = globe(terrain, options, notes)? {
+            let source = geo.clone();
+            let lift = move |[c, r]: [f64; 2]| {
+                let [x, y] = source.source_from_grid(c, r);
+                globe.lon_lat_deg(DVec3::new(x, y, 0.0)).map_or(f64::NAN, |at| globe.ellipsoidal_m(at, 0.0))
+            };
+            let last = size.map(|n| f64::from(n - 1));
+            let looks = (0..LOOKS * LOOKS).map(|k| [k % LOOKS, k / LOOKS].map(|i| f64::from(i) / f64::from(LOOKS - 1)));
+            let lifts: Vec<f64> = looks.map(|[i, k]| lift([i * last[0], k * last[1]])).collect();
+            // between the looks it is no further off
+            low += lifts.iter().copied().fold(f64::INFINITY, f64::min) - LIFT_MARGIN_M;
+            high += lifts.iter().copied().fold(f64::NEG_INFINITY, f64::max) + LIFT_MARGIN_M;
+            placement = placement.lifted(lift);
+        }
+        let cut = CutOptions {
             zooms,
             tolerance_m,
             globe_radius_m: Some(RADIUS_M),
             height_range_m: [low, high],
-            fill_m: None,
+            fill_m: match options.fill {
+                Fill::At(fill_m) => Some(fill_m),
+                Fill::Nothing => None,
+            },
         };
-        let _ = (&mut cut, notes, HeightKind::Ellipsoidal);
         Ok(Self { placement, options: cut })
     }
 
@@ -75,6 +97,19 @@ impl Geodetic {
             north * ROOT_DEG - 90.0,
         ]
     }
+}
+
+/// How heights become those above the ellipsoid, where they are not yet.
+fn globe(terrain: &Terrain, options: &ExportOptions, notes: &mut Vec<String>) -> Result<Option<Globe>, Error> {
+    let geo = terrain.geo();
+    let [columns, rows] = terrain.size().map(|n| (n - 1) as f64);
+    let mut bounds = Aabb::EMPTY;
+    for [c, r] in [[0.0, 0.0], [columns, rows]] {
+        let [x, y] = geo.source_from_grid(c, r);
+        bounds.include(DVec3::new(x, y, 0.0));
+    }
+    let globe = Globe::of(&geo.crs, &bounds, options.heights, &options.geoid, notes)?;
+    Ok(globe.filter(Globe::has_geoid))
 }
 
 /// Tile space of a longitude and latitude in degrees.

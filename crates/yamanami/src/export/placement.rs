@@ -94,6 +94,11 @@ impl Placement {
         Ok(Some(placement))
     }
 
+    /// Whether heights change on the way.
+    pub(super) fn has_geoid(&self) -> bool {
+        self.geoid.is_some()
+    }
+
     /// Longitude and latitude of a place, degrees.
     pub(super) fn lon_lat_deg(&self, p: DVec3) -> Option<[f64; 2]> {
         let [lon, lat] = crs::to_lon_lat(&self.crs, p.x, p.y)?;

@@ -18,7 +18,18 @@ pub(super) fn folder(subject: ExportSubject<'_>, job: &ExportJob<'_>) -> Result<
     let [first, last] = geodetic.options.zooms;
     let all: Vec<Vec<Tile>> = {
         let cutter = TerrainTiles::new(terrain, &geodetic.placement, &geodetic.options);
-        (first..=last).map(|zoom| cutter.tiles(zoom)).collect()
+        (first..=last)
+            .map(|zoom| {
+                let mut tiles = cutter.tiles(zoom);
+                // viewers ask for both roots
+                if zoom == 0 && geodetic.options.fill_m.is_some() {
+                    tiles.extend((0..2).map(|x| Tile { zoom, x, y: 0 }));
+                    tiles.sort_unstable_by_key(|&tile| Geodetic::wrapped(tile));
+                    tiles.dedup_by_key(|tile| Geodetic::wrapped(*tile));
+                }
+                tiles
+            })
+            .collect()
     };
     let (total, done) = (all.iter().map(Vec::len).sum::<usize>().max(1) as f32, AtomicU64::new(0));
     let mut layer = Layer {

@@ -165,7 +165,7 @@ impl Scene<'_> {
             self.faults.add("GL06", place, format!("{} normals", points.len()), normals.len().to_string());
             return;
         }
-        let off = normals.iter().filter(|n| !((n.length() - 1.0).abs() <= UNIT)).count();
+        let off = normals.iter().filter(|n| (n.length() - 1.0).abs() > UNIT || n.is_nan()).count();
         if off > 0 {
             self.faults.add("GL06", place, "normals of unit length", format!("{off} of {} of others", points.len()));
         }

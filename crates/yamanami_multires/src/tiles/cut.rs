@@ -295,7 +295,10 @@ impl<D: TerrainData> Job<'_, '_, D> {
         let out = (0..2).map(|k| (spot[k] - near[k]).abs()).max().unwrap_or(0);
         match self.ground.plan.fill_m {
             Some(fill_m) if out == RIM => fill_m,
-            _ => f64::from(self.ground.data.sample_height_m(near[0] as u32, near[1] as u32)),
+            _ => {
+                let z = f64::from(self.ground.data.sample_height_m(near[0] as u32, near[1] as u32));
+                z + self.ground.placement.lift_m(near.map(|k| k as f64))
+            }
         }
     }
 
@@ -501,7 +504,7 @@ impl<D: TerrainData> Job<'_, '_, D> {
             return;
         }
         let parts = self.ground.plan.fill_parts(self.tile.zoom);
-        let between: Vec<u16> = (1..1u32 << parts).map(|k| (k * GRID >> parts) as u16).collect();
+        let between: Vec<u16> = (1..1u32 << parts).map(|k| ((k * GRID) >> parts) as u16).collect();
         // on the sides, what the neighbours have, too
         let mut wanted: Vec<(usize, u16)> = Vec::new();
         for side in 0..4 {

@@ -34,7 +34,7 @@ impl<D: TerrainData> Ground<'_, D> {
         let [x, y] = [0, 1].map(|axis| ((at[axis] / f64::from(1u32 << level)) as u32).min(squares[axis] - 1));
         let mut found = Found { least: f64::NEG_INFINITY, height_m: 0.0 };
         self.choose([0, 1].map(|half| Triangle { level, x, y, half }).into_iter(), at, limits, absent, &mut found);
-        found.height_m
+        found.height_m + self.placement.lift_m(at)
     }
 
     /// Goes on with the triangle that a place lies in, or least outside of; the first of equals. Where base squares reach past

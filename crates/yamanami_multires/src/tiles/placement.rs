@@ -4,7 +4,13 @@
 type Map = Box<dyn Fn([f64; 2]) -> [f64; 2] + Send + Sync>;
 
 /// Where the samples of a terrain lie in tile space.
-pub struct Placement(Kind);
+pub struct Placement {
+    kind: Kind,
+    lift: Option<Lift>,
+}
+
+/// Metres to add to heights at a (column, row).
+type Lift = Box<dyn Fn([f64; 2]) -> f64 + Send + Sync>;
 
 enum Kind {
     /// Columns run east or west, rows north or south: a coordinate for each.
@@ -29,7 +35,7 @@ const STRETCH_MARGIN: f64 = 1.02;
 impl Placement {
     /// A grid whose columns lie at `x` and rows at `y`; both run steadily up or down.
     pub fn axes(x: Vec<f64>, y: Vec<f64>) -> Self {
-        Self(Kind::Axes { x, y })
+        Self { kind: Kind::Axes { x, y }, lift: None }
     }
 
     /// A grid of `size` (columns, rows) under a smooth map from (column, row) to tile space; `to_grid` is its inverse.
@@ -52,17 +58,25 @@ impl Placement {
                 }
             }
         }
-        Self(Kind::Warped {
-            size,
-            to_tiles: Box::new(to_tiles),
-            to_grid: Box::new(to_grid),
-            stretch: stretch.map(|s| s * STRETCH_MARGIN),
-        })
+        let stretch = stretch.map(|s| s * STRETCH_MARGIN);
+        let kind = Kind::Warped { size, to_tiles: Box::new(to_tiles), to_grid: Box::new(to_grid), stretch };
+        Self { kind, lift: None }
+    }
+
+    /// Adds metres, as a smooth function of (column, row), to all heights of the terrain.
+    pub fn lifted(self, lift: impl Fn([f64; 2]) -> f64 + Send + Sync + 'static) -> Self {
+        Self { lift: Some(Box::new(lift)), ..self }
+    }
+
+    /// Metres to add to heights at a (column, row).
+    #[inline]
+    pub(crate) fn lift_m(&self, at: [f64; 2]) -> f64 {
+        self.lift.as_ref().map_or(0.0, |lift| lift(at))
     }
 
     /// Columns and rows.
     pub fn size(&self) -> [u32; 2] {
-        match &self.0 {
+        match &self.kind {
             Kind::Axes { x, y } => [x.len() as u32, y.len() as u32],
             Kind::Warped { size, .. } => *size,
         }
@@ -70,13 +84,13 @@ impl Placement {
 
     /// Whether straight lines of the grid are not straight in tile space.
     pub fn is_warped(&self) -> bool {
-        matches!(self.0, Kind::Warped { .. })
+        matches!(self.kind, Kind::Warped { .. })
     }
 
     /// Tile space of a sample.
     #[inline]
     pub fn place(&self, [column, row]: [u32; 2]) -> [f64; 2] {
-        match &self.0 {
+        match &self.kind {
             Kind::Axes { x, y } => [x[column as usize], y[row as usize]],
             Kind::Warped { to_tiles, .. } => to_tiles([f64::from(column), f64::from(row)]),
         }
@@ -84,7 +98,7 @@ impl Placement {
 
     /// Tile space of a place that may lie outside of the grid.
     pub(crate) fn beyond(&self, [column, row]: [i64; 2]) -> [f64; 2] {
-        match &self.0 {
+        match &self.kind {
             Kind::Axes { x, y } => {
                 let at = |values: &[f64], k: i64| {
                     let last = values.len() - 1;
@@ -105,7 +119,7 @@ impl Placement {
     /// More than the greatest distance of neighbouring samples in tile space.
     pub(crate) fn widest_step(&self) -> f64 {
         let most = |values: &[f64]| values.windows(2).map(|w| (w[1] - w[0]).abs()).fold(0.0, f64::max);
-        match &self.0 {
+        match &self.kind {
             Kind::Axes { x, y } => most(x).max(most(y)),
             Kind::Warped { stretch, .. } => stretch.iter().copied().fold(0.0, f64::max) * 2.0,
         }
@@ -113,7 +127,7 @@ impl Placement {
 
     /// Column and row, between samples, of a place; past the grid they run on.
     pub fn grid(&self, [x, y]: [f64; 2]) -> [f64; 2] {
-        match &self.0 {
+        match &self.kind {
             Kind::Axes { x: xs, y: ys } => [along(xs, x), along(ys, y)],
             Kind::Warped { to_grid, .. } => to_grid([x, y]),
         }
@@ -123,7 +137,7 @@ impl Placement {
     /// grid, which may lie past its end. A larger reach around a place that holds a smaller one is never less.
     #[inline]
     pub(crate) fn reach(&self, [column, row]: [i64; 2], half: [i64; 2]) -> [[f64; 2]; 2] {
-        match &self.0 {
+        match &self.kind {
             Kind::Axes { x, y } => {
                 let side = |values: &[f64], at: i64, half: i64| {
                     let last = values.len() as i64 - 1;
@@ -145,7 +159,7 @@ impl Placement {
     /// Least distance of neighbouring samples in tile space, as far as it is looked at.
     pub fn spacing(&self) -> f64 {
         let least = |values: &[f64]| values.windows(2).map(|w| (w[1] - w[0]).abs()).fold(f64::INFINITY, f64::min);
-        match &self.0 {
+        match &self.kind {
             Kind::Axes { x, y } => least(x).min(least(y)),
             Kind::Warped { size, to_tiles, .. } => {
                 let at = size.map(|n| f64::from(n - 1) / 2.0);
@@ -161,7 +175,7 @@ impl Placement {
 
     /// Tile space, x from..to and y from..to, of the whole grid.
     pub fn bounds(&self) -> [[f64; 2]; 2] {
-        match &self.0 {
+        match &self.kind {
             Kind::Axes { x, y } => [x, y].map(|v| {
                 let (a, b) = (v[0], v[v.len() - 1]);
                 [a.min(b), a.max(b)]
