@@ -255,12 +255,15 @@ fn print(args: &ExportArgs, report: &ExportReport, seconds: f64) -> Result<(), F
     )?;
     for z in &report.zooms {
         let measured = z.measured_m.map_or_else(String::new, |m| format!(", measured {} m", text::number(m)));
+        let triangles = match z.triangles {
+            0 => String::new(),
+            n => format!("{} triangles, ", text::count(n)),
+        };
         out::row(
             &format!("zoom {}", z.zoom),
             format_args!(
-                "{} tiles, {} triangles, {}, within {} m{measured}",
+                "{} tiles, {triangles}{}, within {} m{measured}",
                 text::count(z.tiles),
-                text::count(z.triangles),
                 text::bytes(z.bytes),
                 text::number(z.error_m),
             ),
