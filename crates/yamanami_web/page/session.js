@@ -159,6 +159,7 @@ export class Session {
     this.refresh();
     this.wake();
     this.#hooks.shown(refused);
+    if (this.#damage) this.#showDamage(this.#damage);
   }
 
   #after(again) {
