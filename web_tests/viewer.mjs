@@ -89,7 +89,7 @@ describe('a terrain', () => {
         ['a drag', async () => drag(page, 'left')],
         ['a drag with the right button', async () => drag(page, 'right')],
         ['the wheel', async () => { await page.mouse.move(240, 160); await page.mouse.wheel(0, -300); }],
-        ['a key', async () => { await page.focus('#stage'); await page.keyboard.down('w'); await page.waitForTimeout(200); await page.keyboard.up('w'); }],
+        ['a key', async () => { await page.focus('#stage'); await page.keyboard.press('w'); }],
         ['a button', async () => page.click('#tool-nearer')],
         ['a double click', async () => page.mouse.dblclick(250, 180)],
       ];
@@ -123,11 +123,11 @@ describe('a terrain', () => {
       await page.getByRole('slider', { name: 'Sun height' }).focus();
       await page.keyboard.press('ArrowRight');
       assert.notEqual((await settings(page)).sun_altitude_deg, 45);
-      await page.getByText('staircase').click();
+      await page.getByLabel('staircase').check({ force: true });
       assert.equal((await settings(page)).control, 'paper');
-      await page.getByText('slope', { exact: true }).first().click();
+      await page.getByRole('radio', { name: 'slope' }).check({ force: true });
       assert.equal((await settings(page)).colour, 'slope');
-      await page.getByText('Edges', { exact: true }).click();
+      await page.getByLabel('Edges').check();
       assert.equal((await settings(page)).wireframe, true);
       await atRest(page);
       await page.screenshot({ path: join(PICTURES, 'controls.png') });
