@@ -127,7 +127,7 @@ describe('a terrain', () => {
       assert.equal((await settings(page)).control, 'paper');
       await page.getByRole('radio', { name: 'slope' }).check({ force: true });
       assert.equal((await settings(page)).colour, 'slope');
-      await page.getByLabel('Edges').check();
+      await page.getByRole('checkbox', { name: 'Edges', exact: true }).check();
       assert.equal((await settings(page)).wireframe, true);
       await atRest(page);
       await page.screenshot({ path: join(PICTURES, 'controls.png') });

@@ -70,6 +70,7 @@ export class Session {
   }
 
   wake() {
+    this.#again = true;
     this.#loop?.wake();
   }
 
