@@ -69,7 +69,7 @@ describe('a surface', () => {
         if (isPack(path)) for (let i = Math.max(0, Math.floor(0.9 * size) - first); i < bytes.length; i += 97) bytes[i] ^= 0x55;
         return bytes;
       };
-      await page.goto(`${site.url}/#t=0.01&tm=0&b=!n`);
+      await page.goto(`${site.url}/#t=0.05&tm=0&b=!n&mo=!f`);
       await page.evaluate(() => window.yamanami.ready);
       await says(page, /arrived damaged/);
       await page.waitForFunction(() => window.yamanami.viewer && JSON.parse(window.yamanami.viewer.view()).eye);
@@ -143,7 +143,7 @@ describe('a server', () => {
 });
 
 describe('links with nonsense', () => {
-  for (const hash of ['#a=banana&m=7&t=-1&v=(eye:!(1,2)&zz=1&%E0%A4%A', `#${'x'.repeat(9000)}`, '#s=%00&c=pink&b=1e99', '#v=(eye:!(1,2,3),target:!(1,2,3))', '#s=../../etc&m=map&z=1&a=1&c=pink']) {
+  for (const hash of ['#a=banana&m=7&t=-1&v=(eye:!(1,2)&zz=1&%E0%A4%A', `#${'x'.repeat(9000)}`, '#s=%00&c=pink&b=1e99', '#v=(eye:!(1,2,3),target:!(1,2,3))', '#s=../../etc&c=pink']) {
     it(`show the surface all the same: ${hash.slice(0, 40)}`, () =>
       withSite(async (page, site) => {
         await open(page, `${site.url}/${hash}`);
@@ -151,6 +151,12 @@ describe('links with nonsense', () => {
         assert.ok((await colours(page)) > 100);
       }));
   }
+
+  it('to a map that cannot be are told why', () =>
+    withSite(async (page, site) => {
+      await page.goto(`${site.url}/#m=map&z=1`);
+      await says(page, /eye height: expected above all ground/);
+    }));
 });
 
 describe('a browser', () => {

@@ -16,7 +16,7 @@ const word = (value) => typeof value === 'string' && /^[a-z]{1,20}$/.test(value)
 /** Settings in a link: short key, place in the settings, what makes sense. */
 const SETTINGS = {
   m: ['mode', oneOf('relief', 'map')],
-  t: ['tolerance_px', number(0.01, 1000)],
+  t: ['tolerance_px', number(0.02, 1000)],
   tm: ['tolerance_m', number(0, 1e6)],
   b: ['budget', orNull(whole(10, 1e8))],
   k: ['control', oneOf('exact', 'paper')],

@@ -15,6 +15,8 @@ const ONCE = {
 
 export class Keys {
   #held = new Set();
+  /** Pressed since they were last asked for: a tap between two frames counts too. */
+  #tapped = new Set();
   #fast = false;
 
   /** `act(name)` hears of keys; `wake()` asks for frames while keys are held. */
@@ -24,6 +26,7 @@ export class Keys {
       if (event.ctrlKey || event.metaKey || event.altKey || isTaken(event, stage)) return;
       if (event.code in HELD) {
         this.#held.add(event.code);
+        this.#tapped.add(event.code);
         event.preventDefault();
         wake();
         return;
@@ -43,9 +46,11 @@ export class Keys {
 
   /** What the keys held ask for, each axis from -1 to 1; null when none is held. */
   drive() {
-    if (this.#held.size === 0) return null;
+    const keys = new Set([...this.#held, ...this.#tapped]);
+    this.#tapped.clear();
+    if (keys.size === 0) return null;
     const axes = { ahead: 0, aside: 0, up: 0 };
-    for (const code of this.#held) axes[HELD[code][0]] += HELD[code][1];
+    for (const code of keys) axes[HELD[code][0]] += HELD[code][1];
     const unit = (value) => Math.max(-1, Math.min(1, value));
     return { ahead: unit(axes.ahead), aside: unit(axes.aside), up: unit(axes.up), fast: this.#fast };
   }

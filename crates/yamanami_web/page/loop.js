@@ -6,6 +6,8 @@ import init, { Viewer } from './yamanami_web.js';
 const MOST_DENSITY = 2;
 /** Longest step that a frame takes, so that a pause makes no jump. */
 const LONGEST_STEP_S = 0.1;
+/** Step of the first frame after a rest. */
+const FIRST_STEP_S = 1 / 60;
 /** A step that ends every movement: for readers who want none. */
 const WHOLE_WAY_S = 30;
 
@@ -53,6 +55,8 @@ export class Loop {
     this.#hooks = hooks;
     this.observer = new ResizeObserver(this.wake);
     this.observer.observe(stage);
+    // WebGL tells the canvas, and nobody else
+    canvas.addEventListener('webglcontextlost', () => this.#fail(new Error('device lost: the browser took the context away')));
   }
 
   /** Asks for a frame. */
@@ -75,7 +79,7 @@ export class Loop {
 
   #frame(now) {
     this.#scheduled = 0;
-    const dtS = this.#last ? Math.min((now - this.#last) / 1000, LONGEST_STEP_S) : 0;
+    const dtS = this.#last ? Math.min((now - this.#last) / 1000, LONGEST_STEP_S) : FIRST_STEP_S;
     let again;
     try {
       this.#resize();
@@ -83,12 +87,17 @@ export class Loop {
       again = this.#viewer.frame(wantsNoMotion.matches ? WHOLE_WAY_S : dtS) || driven;
       this.#hooks.after(again);
     } catch (error) {
-      this.stop();
-      this.#hooks.failed(error);
+      this.#fail(error);
       return;
     }
     this.#last = again ? now : 0;
     if (again) this.wake();
+  }
+
+  #fail(error) {
+    if (this.#over) return;
+    this.stop();
+    this.#hooks.failed(error);
   }
 
   #resize() {

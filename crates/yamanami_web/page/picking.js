@@ -51,7 +51,7 @@ export class Picking {
       parts.push(['slope', `${format.number(found.slope_deg)}°${falls}`, t('slope')]);
     }
     if (Number.isFinite(found.distance_m)) parts.push(['away', t('away', { distance: format.length(found.distance_m) })]);
-    if (found.exact === false) parts.push(['coarse', t('pick_coarse')]);
+    if (found.exact === false && found.spacing_m) parts.push(['coarse', t('data_every', { spacing: format.length(found.spacing_m) })]);
     return parts.map(([name, text, label]) => {
       const span = make('span', { className: name, textContent: text });
       if (label) span.prepend(make('small', { textContent: label }), ' ');

@@ -148,7 +148,7 @@ export class Profile {
       ascent: format.height(numbers.ascentM, data.spacing_m),
       descent: format.height(numbers.descentM, data.spacing_m),
     };
-    const state = data.exact ? t('profile_exact', { spacing: format.length(data.spacing_m ?? NaN) }) : t('profile_coarse');
+    const state = data.exact ? t('data_every', { spacing: format.length(data.spacing_m ?? NaN) }) : t('profile_coarse');
     facts.textContent = `${t('profile_facts', words)} · ${state}`;
     this.#plot.show(data, cornersOf(this.#places), t('profile_aria', words));
   }

@@ -70,6 +70,7 @@ export class Session {
   }
 
   wake() {
+    this.#again = true;
     this.#loop?.wake();
   }
 
@@ -159,6 +160,7 @@ export class Session {
     this.refresh();
     this.wake();
     this.#hooks.shown(refused);
+    if (this.#damage) this.#showDamage(this.#damage);
   }
 
   #after(again) {

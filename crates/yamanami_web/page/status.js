@@ -36,5 +36,6 @@ export function showStats(viewer, nowMs, isLast) {
   const steps = stats.thresholds_m?.length ? ` · f: ${stats.thresholds_m.map(format.short).join(' | ')} m` : '';
   const line = document.getElementById('stats');
   line.classList.toggle('fault', Boolean(stats.fault));
+  line.setAttribute('aria-live', stats.fault ? 'polite' : 'off');
   line.textContent = stats.fault ?? t('stats', words) + by + steps;
 }

@@ -4,7 +4,7 @@ import { changeOf, labelOf, valueAt } from './controls.js';
 import { number } from './format.js';
 import { t } from './i18n.js';
 
-/** Places of a slider. */
+/** Places of a slider that has no steps of its own. */
 const PLACES = 1000;
 let count = 0;
 
@@ -35,7 +35,7 @@ export function widget(row, change) {
 function slider(row, change) {
   const id = `c${(count += 1)}`;
   const scale = scaleOf(row);
-  const range = make('input', { type: 'range', min: 0, max: PLACES, step: 1, id: `${id}r` });
+  const range = make('input', { type: 'range', min: 0, max: scale.places, step: 1, id: `${id}r` });
   const field = make('input', { type: 'number', id, min: row.zero ? 0 : row.least, step: 'any', inputMode: 'decimal' });
   const label = worded('label', labelOf(row.key), { htmlFor: id });
   const unit = make('span', { className: 'unit', textContent: row.unit ?? '' });
@@ -65,18 +65,20 @@ function slider(row, change) {
     if (document.activeElement !== field) field.value = String(tidy(row, value));
     range.value = String(scale.place(value));
     range.setAttribute('aria-valuetext', `${number(value, 3)} ${row.unit ?? ''}`.trim());
-    range.style.setProperty('--share', `${(100 * range.valueAsNumber) / PLACES}%`);
+    range.style.setProperty('--share', `${(100 * range.valueAsNumber) / scale.places}%`);
   };
   return { element: make('div', { className: 'row slider' }, head, range), show };
 }
 
-/** Between values and places of the slider. */
-function scaleOf({ least, most, log, zero }) {
-  const clamp = (share) => Math.round(PLACES * Math.max(0, Math.min(1, share)));
-  if (!log) return { value: (place) => least + ((most - least) * place) / PLACES, place: (value) => clamp((value - least) / (most - least || 1)) };
+/** Between values and places of the slider: a place for each step, so that each press of an arrow key counts. */
+function scaleOf({ least, most, log, zero, step }) {
+  const places = step && !log ? Math.max(1, Math.round((most - least) / step)) : PLACES;
+  const clamp = (share) => Math.round(places * Math.max(0, Math.min(1, share)));
+  if (!log) return { places, value: (place) => least + ((most - least) * place) / places, place: (value) => clamp((value - least) / (most - least || 1)) };
   const factor = Math.log(most / least);
   return {
-    value: (place) => (zero && place === 0 ? 0 : least * Math.exp((factor * place) / PLACES)),
+    places,
+    value: (place) => (zero && place === 0 ? 0 : least * Math.exp((factor * place) / places)),
     place: (value) => (value <= 0 ? 0 : clamp(Math.log(value / least) / factor)),
   };
 }

@@ -34,13 +34,13 @@ export const en = {
   why_many: 'more than {most} points', why_crs: 'its coordinates are not longitude and latitude',
 
   pick_none: '—', height: 'height', slope: 'slope', away: '{distance} away', falls: 'falls {direction}',
-  pick_coarse: 'finer data are loading', directions: 'N NE E SE S SW W NW', north: 'N', south: 'S', east: 'E', west: 'W',
+  directions: 'N NE E SE S SW W NW', north: 'N', south: 'S', east: 'E', west: 'W',
   comma: ', ',
   stats: '{triangles} triangles, error ≤ {error} {unit}, update {update} ms, draw {draw} ms', limited: 'limited by {by}',
   by_tolerance: 'tolerance', by_budget: 'budget', by_data: 'data', by_steps: 'steps',
 
   profile_start: 'Choose two or more places on the surface (with the keyboard: aim with the cross, press Enter).',
-  profile_facts: '{length} · {min} to {max} · ↑ {ascent} ↓ {descent}', profile_coarse: 'loading finer data…', profile_exact: 'data every {spacing}',
+  profile_facts: '{length} · {min} to {max} · ↑ {ascent} ↓ {descent}', profile_coarse: 'loading finer data…', data_every: 'data every {spacing}',
   profile_undo: 'Take back the last place', profile_csv: 'Save as CSV', profile_close: 'Close the profile',
   profile_aria: 'Height along the line: from {min} to {max} over {length}. Arrow keys read it off.', profile_at: '{distance}: {height}',
 

@@ -34,13 +34,13 @@ export const ja = {
   why_many: '点が {most} 個を超えています', why_crs: '座標が経緯度ではありません',
 
   pick_none: '—', height: '標高', slope: '傾斜', away: '距離 {distance}', falls: '{direction}向き',
-  pick_coarse: '細かいデータを読込中', directions: '北 北東 東 南東 南 南西 西 北西', north: '北緯', south: '南緯', east: '東経', west: '西経',
+  directions: '北 北東 東 南東 南 南西 西 北西', north: '北緯', south: '南緯', east: '東経', west: '西経',
   comma: '、',
   stats: '三角形 {triangles}、誤差 ≤ {error} {unit}、更新 {update} ms、描画 {draw} ms', limited: '制限：{by}',
   by_tolerance: '許容誤差', by_budget: '三角形の上限', by_data: 'データ', by_steps: '手数',
 
   profile_start: '地表の 2 箇所以上を選んでください（キーボードでは十字で狙い Enter）。',
-  profile_facts: '{length} ・ {min}〜{max} ・ 登り {ascent} 下り {descent}', profile_coarse: '細かいデータを読込中…', profile_exact: '{spacing} 間隔のデータ',
+  profile_facts: '{length} ・ {min}〜{max} ・ 登り {ascent} 下り {descent}', profile_coarse: '細かいデータを読込中…', data_every: '{spacing} 間隔のデータ',
   profile_undo: '最後の地点を取り消す', profile_csv: 'CSV で保存', profile_close: '断面図を閉じる',
   profile_aria: '線に沿う標高：{length} で {min} から {max}。矢印キーで読み取れます。', profile_at: '{distance}：{height}',
 
