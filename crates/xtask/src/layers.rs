@@ -54,8 +54,26 @@ const LAYERS: &[Layer] = &[
         in_tests: TESTKIT,
         never: FRONT_ENDS,
     },
+    Layer {
+        package: "yamanami_serve",
+        siblings: &["yamanami"],
+        in_tests: TESTKIT,
+        never: &["clap", "winit", "egui", "eframe", "pyo3", "indicatif"],
+    },
     // the program generates synthetic terrain for trying and timing: the kit's
-    Layer { package: "yamanami_cli", siblings: &["yamanami", "yamanami_testkit"], in_tests: &[], never: &["pyo3"] },
+    Layer {
+        package: "yamanami_cli",
+        siblings: &["yamanami", "yamanami_serve", "yamanami_testkit"],
+        in_tests: &[],
+        never: &["pyo3"],
+    },
+    Layer {
+        package: "yamanami_web",
+        siblings: &["yamanami"],
+        in_tests: TESTKIT,
+        never: &["clap", "winit", "egui", "eframe", "pyo3", "axum", "tokio", "rusqlite", "memmap2"],
+    },
+    Layer { package: "yamanami_web_build", siblings: &[], in_tests: &[], never: &[] },
     Layer { package: "xtask", siblings: &[], in_tests: &[], never: &[] },
 ];
 

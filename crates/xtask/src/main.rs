@@ -3,6 +3,7 @@
 mod chores;
 mod layers;
 mod tidy;
+mod web;
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -11,6 +12,7 @@ const USAGE: &str = "usage: cargo xtask CHORE
 
   layers   fail on a dependency that ARCHITECTURE.md does not allow
   tidy     fail on a file that breaks the house rules
+  web      the browser viewer, compiled to wasm and put together in target/web
   ci       fmt --check, tidy, layers, clippy and doc -D warnings, all tests";
 
 fn main() -> ExitCode {
@@ -19,6 +21,7 @@ fn main() -> ExitCode {
     let outcome = match chore.as_str() {
         "layers" => check("layers", layers::violations_of_workspace(root)),
         "tidy" => check("tidy", tidy::violations(root)),
+        "web" => web::build(root),
         "ci" => ci(root),
         "help" | "--help" | "-h" => {
             println!("{USAGE}");

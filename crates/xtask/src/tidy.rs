@@ -11,7 +11,7 @@ const MOST_LINES: usize = 600;
 const SKIPPED: &[&str] = &["target", ".git", "corpus", "artifacts", "demo-out", "node_modules"];
 
 /// Endings of the text files that are checked.
-const TEXT: &[&str] = &["rs", "md", "toml", "wgsl", "sh", "py", "yml"];
+const TEXT: &[&str] = &["rs", "md", "toml", "wgsl", "sh", "py", "yml", "js", "mjs", "css", "html"];
 
 /// Words that may not stand in code. In two parts, so that this file passes its own check.
 const FORBIDDEN: &[(&str, &str, &str)] = &[
@@ -66,6 +66,10 @@ fn check_text(path: &str, text: &str, found: &mut Vec<String>) {
     if path.ends_with(".rs") {
         check_rust(path, text, found);
     }
+    let lines = text.lines().count();
+    if lines > MOST_LINES && [".rs", ".js", ".mjs", ".css"].iter().any(|ending| path.ends_with(ending)) {
+        found.push(format!("{path}: {lines} lines, at most {MOST_LINES}"));
+    }
     if path.ends_with("/Cargo.toml") && path.starts_with("crates/") && !text.contains("[lints]\nworkspace = true") {
         found.push(format!("{path}: must take the workspace's lints"));
     }
@@ -74,10 +78,6 @@ fn check_text(path: &str, text: &str, found: &mut Vec<String>) {
 fn check_rust(path: &str, text: &str, found: &mut Vec<String>) {
     if !text.starts_with("//! ") {
         found.push(format!("{path}: must open with `//! ` and what the file does"));
-    }
-    let lines = text.lines().count();
-    if lines > MOST_LINES {
-        found.push(format!("{path}: {lines} lines, at most {MOST_LINES}"));
     }
     for (number, line) in (1..).zip(text.lines()) {
         for (start, end, what) in FORBIDDEN {

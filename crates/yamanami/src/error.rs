@@ -19,6 +19,7 @@ pub enum Error {
     #[error(transparent)]
     Map(#[from] yamanami_map::MapError),
     /// Measuring.
+    #[cfg(feature = "files")]
     #[error(transparent)]
     Measure(#[from] yamanami_measure::MeasureError),
     /// A picture could not be written or read.

@@ -1,20 +1,11 @@
 //! Flights: a camera path replayed frame by frame, and what each frame cost.
 
 use crate::scene::morph_of;
-use crate::{CameraPath, Canvas, Criteria, Error, LimitedBy, Scene, Staircase, Subject, ViewCriterion};
+use crate::{CameraPath, Canvas, Criteria, Error, LimitedBy, Lod, Scene, Subject, ViewCriterion};
 use image::RgbaImage;
 use serde::Serialize;
-use std::time::Instant;
+use web_time::Instant;
 use yamanami_gpu::RenderOptions;
-
-/// Which control flies.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Lod {
-    /// The exact controller: largest error first, budget met in the same frame.
-    Exact,
-    /// The paper's staircase with proportional feedback.
-    Paper(Staircase),
-}
 
 /// How changes reach the mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -13,18 +13,21 @@ mod interpolate;
 mod layer;
 mod source;
 mod spline;
-#[cfg(test)]
+#[cfg(all(test, feature = "files"))]
 mod tests;
 
 use crate::Error;
 use border::{distance_from, ramp};
 use layer::{Layer, PlaneGrid};
 use rayon::prelude::*;
+pub use source::PageAtHand;
 use source::Source;
 use std::path::PathBuf;
 use yamanami_core::{FieldLevel, NestedField};
 use yamanami_io::crs::AzimuthalPlane;
+#[cfg(feature = "files")]
 use yamanami_io::dem;
+use yamanami_io::store::TerrainMeta;
 
 /// A finer grid is laid where a source's samples are nearer than so many of the coarser grid's spacings.
 const DETAIL: f64 = 0.75;
@@ -116,11 +119,17 @@ impl std::fmt::Debug for MapSources {
 impl MapSources {
     /// Opens elevation files, folders and terrain databases, of any resolutions and systems. A finer source stands over a
     /// coarser one; of equal ones the first does.
+    #[cfg(feature = "files")]
     pub fn open(paths: &[PathBuf], options: &dem::OpenOptions) -> Result<Self, Error> {
         if paths.is_empty() {
             return Err(Error::Request("a map needs elevation files: none given".to_owned()));
         }
         Ok(Self { sources: Source::open(paths, options)? })
+    }
+
+    /// A terrain whose pages are at hand, or not yet: heights of absent pages are taken as unknown.
+    pub fn of_pages(meta: &TerrainMeta, page: PageAtHand) -> Self {
+        Self { sources: vec![Source::of_pages(meta, page)] }
     }
 
     /// Reads the ground around a place, and no more of the sources than it takes.

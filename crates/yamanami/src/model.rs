@@ -1,203 +1,74 @@
 //! A scanned model at every level of detail: from a mesh file, built in memory, or from a `.yama` database, read by pages.
 
-use crate::{Error, GroundOptions, Subject, coloured_style, is_tin_file, read_ground};
+use crate::{Error, Subject, coloured_style};
+#[cfg(feature = "files")]
+use crate::{GroundOptions, ModelBuild, is_tin_file, read_ground};
+#[cfg(feature = "files")]
 use rayon::prelude::*;
+#[cfg(feature = "files")]
 use std::path::Path;
-use yamanami_core::{Aabb, BASE_CLUSTERS, ClusterPage, Crs, Hierarchy, NodeId, Snap, Tin, TriangleMesh};
+#[cfg(feature = "files")]
+use yamanami_core::BASE_CLUSTERS;
+use yamanami_core::{Aabb, ClusterPage, Crs, Hierarchy, NodeId};
 use yamanami_gpu::RenderOptions;
-use yamanami_io::store::{
-    ClusterCodec, ClusterMeta, ClusterStore, ClusterWriter, Rounding, TinAnnex, TinMeta, put_in_order,
-};
+use yamanami_io::store::{ClusterMeta, ClusterTable, TinMeta};
+#[cfg(feature = "files")]
+use yamanami_io::store::{ClusterStore, TinAnnex};
+#[cfg(feature = "files")]
 use yamanami_io::{IoError, mesh_file};
-use yamanami_multires::cluster::{ClusterBuild, ClusterOptions, ClusterSurface, build, build_tin};
+use yamanami_multires::cluster::ClusterSurface;
 
 /// A model ready to be shown or extracted.
 #[derive(Debug)]
 pub struct Model {
     surface: ClusterSurface,
+    #[cfg(feature = "files")]
     store: Option<ClusterStore>,
     facts: Facts,
     /// What a TIN in memory has beside its triangles.
+    #[cfg(feature = "files")]
     annex: TinAnnex,
     notes: Vec<String>,
 }
 
 /// What is known of a model beside its hierarchy.
 #[derive(Debug, Clone)]
-struct Facts {
-    title: String,
-    bounds: Aabb,
-    faces: u64,
-    vertices: u64,
-    has_colours: bool,
-    deepest_level: u32,
-    tin: Option<TinMeta>,
+pub(crate) struct Facts {
+    pub(crate) title: String,
+    pub(crate) bounds: Aabb,
+    pub(crate) faces: u64,
+    pub(crate) vertices: u64,
+    pub(crate) has_colours: bool,
+    pub(crate) deepest_level: u32,
+    pub(crate) tin: Option<TinMeta>,
 }
 
-/// Pages coded between two writes.
+/// Pages read at once.
+#[cfg(feature = "files")]
 const PAGES_AT_ONCE: usize = 64;
 
-/// How to store a model.
-#[derive(Debug, Clone, Default)]
-pub struct ModelStoreOptions {
-    /// Vertices may be so far from their places, metres; `None`: a small part of the source's edges.
-    pub max_error_m: Option<f64>,
-    /// Where the model comes from: files, licence.
-    pub source: String,
-}
-
-/// What a stored model takes.
-#[derive(Debug, Clone, Copy)]
-pub struct ModelStored {
-    /// Bytes of the pages' triangles and vertices.
-    pub page_bytes: u64,
-    /// Triangles of all levels.
-    pub triangles: u64,
-    /// Vertices of all levels.
-    pub vertices: u64,
-    /// Nodes of the hierarchy.
-    pub nodes: usize,
-    /// No vertex is further from its place, metres.
-    pub max_error_m: f64,
-}
-
-/// A hierarchy as it was built, to be stored or shown.
-#[derive(Debug)]
-pub struct ModelBuild {
-    build: ClusterBuild,
-    mean_edge_m: f64,
-    facts: Facts,
-    annex: TinAnnex,
-}
-
-impl ModelBuild {
-    /// Builds the hierarchy of a mesh. `progress` hears of the share done, 0 to 1.
-    pub fn of_mesh(mesh: &TriangleMesh, title: String, progress: &(dyn Fn(f32) + Sync)) -> Result<Self, Error> {
-        if mesh.triangles.is_empty() {
-            return Err(Error::Request(format!("{title}: expected a mesh with triangles, found none")));
-        }
-        let built = build(mesh, &ClusterOptions { progress: Some(progress), ..ClusterOptions::default() })?;
-        Ok(Self::of_built(built, mesh, title))
-    }
-
-    /// Builds the hierarchy of a TIN that does not overlap in plan: its vertices are kept bit for bit, errors are vertical.
-    /// `progress` hears of the share done, 0 to 1.
-    pub fn of_tin(tin: &Tin, title: String, progress: &(dyn Fn(f32) + Sync)) -> Result<Self, Error> {
-        if tin.mesh.triangles.is_empty() {
-            return Err(Error::Request(format!("{title}: expected a TIN with triangles, found none")));
-        }
-        let snap = Snap::of(&tin.mesh.positions, tin.unit_m);
-        let options = ClusterOptions { progress: Some(progress), ..ClusterOptions::default() };
-        let mut built = Self::of_built(build_tin(tin, Some(snap), &options)?, &tin.mesh, title);
-        built.facts.tin = Some(TinMeta { crs: tin.crs.clone(), unit_m: tin.unit_m, snap });
-        built.annex = TinAnnex::of(tin);
-        Ok(built)
-    }
-
-    fn of_built(built: ClusterBuild, mesh: &TriangleMesh, title: String) -> Self {
-        let edges = mesh.triangles.iter().map(|t| {
-            let [a, b, c] = t.map(|v| mesh.positions[v as usize]);
-            a.distance(b) + b.distance(c) + c.distance(a)
-        });
-        let mean_edge_m = edges.sum::<f64>() / (3 * mesh.triangles.len()) as f64;
-        let facts = Facts {
-            title,
-            bounds: mesh.bounds(),
-            faces: mesh.triangles.len() as u64,
-            vertices: mesh.positions.len() as u64,
-            has_colours: !mesh.colours.is_empty(),
-            deepest_level: deepest(built.nodes.iter().map(|n| n.level)),
-            tin: None,
-        };
-        Self { build: built, mean_edge_m, facts, annex: TinAnnex::default() }
-    }
-
-    /// Writes it as a database. `path` changes only when all is written. `progress` hears of the share done, 0 to 1.
-    pub fn store_as(
-        mut self,
-        path: &Path,
-        options: &ModelStoreOptions,
-        progress: &dyn Fn(f32),
-    ) -> Result<ModelStored, Error> {
-        let build = &mut self.build;
-        put_in_order(&build.nodes, &build.base_clusters, &mut build.base, &mut build.pages);
-        let bounds = self.facts.bounds;
-        let quantum_m = match options.max_error_m {
-            _ if let Some(tin) = &self.facts.tin => tin.snap.metres(1.0),
-            Some(error_m) => ClusterMeta::quantum_within_m(&bounds, error_m),
-            None => ClusterMeta::usual_quantum_m(&bounds, self.mean_edge_m),
-        };
-        let all = || std::iter::once(&build.base).chain(&build.pages);
-        let mut meta = ClusterMeta {
-            title: self.facts.title.clone(),
-            source: options.source.clone(),
-            source_faces: self.facts.faces,
-            source_vertices: self.facts.vertices,
-            bounds,
-            quantum_m,
-            max_error_m: 0.0,
-            has_colours: self.facts.has_colours,
-            nodes: build.nodes.len() as u32,
-            triangles: all().map(|p| p.triangles.len() as u64).sum(),
-            vertices: all().map(|p| p.vertices.len() as u64).sum(),
-            tin: self.facts.tin.clone(),
-        };
-        let mut rounding = Rounding::new(ClusterCodec::new(&meta));
-        if meta.tin.is_none() {
-            std::iter::once(&mut build.base).chain(&mut build.pages).try_for_each(|page| rounding.round(page))?;
-        }
-        let max_error_m = rounding.max_error_m();
-        meta.max_error_m = max_error_m;
-        if let Some(asked_m) = options.max_error_m.filter(|&asked_m| asked_m < max_error_m) {
-            return Err(Error::Request(format!(
-                "{}: a model of this size is stored within {max_error_m:e} m at best, {asked_m:e} m was asked for",
-                path.display()
-            )));
-        }
-        let mut stored = ModelStored {
-            page_bytes: 0,
-            triangles: meta.triangles,
-            vertices: meta.vertices,
-            nodes: build.nodes.len(),
-            max_error_m,
-        };
-        let base_vertices = build.base.vertices.len() as u32;
-        let mut writer = ClusterWriter::create(path, meta, &build.nodes, base_vertices, &build.base_clusters)?;
-        let codec = writer.codec();
-        let first_vertices = build.nodes.iter().map(|n| n.first_vertex);
-        let pages: Vec<(&ClusterPage, u32)> =
-            std::iter::once((&build.base, 0)).chain(build.pages.iter().zip(first_vertices)).collect();
-        for (done, batch) in pages.chunks(PAGES_AT_ONCE).enumerate() {
-            let coded: Result<Vec<Vec<u8>>, IoError> =
-                batch.par_iter().map(|(page, first)| codec.encode(page, *first)).collect();
-            for ((page, _), bytes) in batch.iter().zip(coded?) {
-                stored.page_bytes += bytes.len() as u64;
-                writer.insert(page.group, &bytes)?;
-            }
-            progress(((done + 1) * PAGES_AT_ONCE).min(pages.len()) as f32 / pages.len() as f32);
-        }
-        if self.facts.tin.is_some() {
-            writer.insert_annex(&self.annex)?;
-        }
-        writer.finish()?;
-        Ok(stored)
-    }
-
-    /// All of it in memory, ready to be shown.
-    pub fn into_model(self) -> Result<Model, Error> {
-        let ClusterBuild { nodes, base_clusters, base, pages, .. } = self.build;
-        let mut surface = ClusterSurface::new(&nodes, &base_clusters, base)?;
-        pages.into_iter().try_for_each(|page| surface.insert(page))?;
-        Ok(Model { surface, store: None, facts: self.facts, annex: self.annex, notes: Vec::new() })
-    }
-}
-
-fn deepest(levels: impl Iterator<Item = u32>) -> u32 {
+/// The deepest of some levels.
+pub(crate) fn deepest(levels: impl Iterator<Item = u32>) -> u32 {
     levels.max().unwrap_or(0)
+}
+
+impl Facts {
+    fn of(meta: &ClusterMeta, table: &ClusterTable) -> Self {
+        Self {
+            title: meta.title.clone(),
+            bounds: meta.bounds,
+            faces: meta.source_faces,
+            vertices: meta.source_vertices,
+            has_colours: meta.has_colours,
+            deepest_level: deepest(table.nodes().iter().map(|n| n.level)),
+            tin: meta.tin.clone(),
+        }
+    }
 }
 
 impl Model {
     /// Opens a `.yama`, or builds a TIN or mesh file in memory. `progress` hears of the share built, 0 to 1.
+    #[cfg(feature = "files")]
     pub fn open(path: &Path, progress: &(dyn Fn(f32) + Sync)) -> Result<Self, Error> {
         let title = path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
         if mesh_file::is_mesh_name(path) {
@@ -209,23 +80,51 @@ impl Model {
             return Ok(Self { notes: read.notes, ..built.into_model()? });
         }
         let store = ClusterStore::open(path)?;
-        let meta = store.meta();
-        let facts = Facts {
-            title: if meta.title.is_empty() { title } else { meta.title.clone() },
-            bounds: meta.bounds,
-            faces: meta.source_faces,
-            vertices: meta.source_vertices,
-            has_colours: meta.has_colours,
-            deepest_level: deepest(store.nodes().iter().map(|n| n.level)),
-            tin: meta.tin.clone(),
-        };
+        let mut facts = Facts::of(store.meta(), store.table());
+        if facts.title.is_empty() {
+            facts.title = title;
+        }
         let base = store.page(BASE_CLUSTERS)?;
         let surface =
             ClusterSurface::new(store.nodes(), store.base_clusters(), base).map_err(|e| damaged(&store, &e))?;
         Ok(Self { surface, store: Some(store), facts, annex: TinAnnex::default(), notes: Vec::new() })
     }
 
+    /// A model in memory.
+    #[cfg(feature = "files")]
+    pub(crate) fn of_parts(surface: ClusterSurface, facts: Facts, annex: TinAnnex) -> Self {
+        Self { surface, store: None, facts, annex, notes: Vec::new() }
+    }
+
+    /// A model whose pages are brought by its user: its facts and nodes, and the page of its base mesh.
+    pub fn from_pages(meta: &ClusterMeta, table: &ClusterTable, base: ClusterPage) -> Result<Self, Error> {
+        Ok(Self {
+            surface: ClusterSurface::new(table.nodes(), table.base_clusters(), base)?,
+            #[cfg(feature = "files")]
+            store: None,
+            facts: Facts::of(meta, table),
+            #[cfg(feature = "files")]
+            annex: TinAnnex::default(),
+            notes: Vec::new(),
+        })
+    }
+
+    /// Brings a node's page into memory.
+    pub fn insert(&mut self, page: ClusterPage) -> Result<(), Error> {
+        Ok(self.surface.insert(page)?)
+    }
+
+    /// Those of these nodes whose pages are not in memory, each once, at most `most`.
+    pub fn absent(&self, wanted: &[NodeId], most: usize) -> Vec<NodeId> {
+        let absent = wanted.iter().copied().filter(|&node| !self.surface.is_resident(node));
+        let mut absent: Vec<NodeId> = absent.take(most).collect();
+        absent.sort_unstable();
+        absent.dedup();
+        absent
+    }
+
     /// The database behind the model, if any.
+    #[cfg(feature = "files")]
     pub fn store(&self) -> Option<&ClusterStore> {
         self.store.as_ref()
     }
@@ -236,6 +135,7 @@ impl Model {
     }
 
     /// What a TIN's file knew beside its visible triangles.
+    #[cfg(feature = "files")]
     pub fn annex(&self) -> Result<TinAnnex, Error> {
         match &self.store {
             Some(store) => Ok(store.annex()?),
@@ -260,6 +160,7 @@ impl Model {
 }
 
 /// Nodes or a page that were read soundly but do not fit together.
+#[cfg(feature = "files")]
 fn damaged(store: &ClusterStore, found: &dyn std::fmt::Display) -> Error {
     IoError::malformed(store.path(), "hierarchy", "nodes and pages that fit together", found.to_string()).into()
 }
@@ -305,6 +206,7 @@ impl Subject for Model {
         self.facts.tin.is_some()
     }
 
+    #[cfg(feature = "files")]
     fn is_paged(&self) -> bool {
         self.store.is_some()
     }
@@ -313,12 +215,10 @@ impl Subject for Model {
         self.facts.tin.as_ref().map_or((Crs::default(), 1.0), |tin| (tin.crs.clone(), tin.unit_m))
     }
 
+    #[cfg(feature = "files")]
     fn load(&mut self, wanted: &[NodeId], max_pages: usize) -> Result<usize, Error> {
+        let absent = if self.store.is_some() { self.absent(wanted, max_pages) } else { Vec::new() };
         let Some(store) = &self.store else { return Ok(0) };
-        let absent = wanted.iter().copied().filter(|&node| !self.surface.is_resident(node));
-        let mut absent: Vec<NodeId> = absent.take(max_pages).collect();
-        absent.sort_unstable();
-        absent.dedup();
         for some in absent.chunks(PAGES_AT_ONCE) {
             let pages: Result<Vec<ClusterPage>, IoError> = some.par_iter().map(|&node| store.page(node)).collect();
             for page in pages? {
@@ -329,7 +229,8 @@ impl Subject for Model {
     }
 
     fn shrink(&mut self, max_bytes: usize, in_use: impl Fn(NodeId) -> bool) {
-        if self.store.is_none() {
+        // what was built in memory cannot be read again
+        if !self.is_paged() {
             return;
         }
         // parents have lower numbers, so the coarsest go last

@@ -1,8 +1,9 @@
 //! A terrain or a model on a canvas: the front follows the view, and the mesh follows the front.
 
-use crate::{Canvas, Controller, Criteria, Error, FrameReport, Lod, PaperController, Staircase, Step, Subject, Upload};
+use crate::{Canvas, Controller, Criteria, Error, FrameReport, PaperController, Staircase, Step, Subject, Upload};
 use image::RgbaImage;
-use std::time::{Duration, Instant};
+use std::time::Duration;
+use web_time::Instant;
 use yamanami_core::{ActiveSet, Surface, View};
 use yamanami_gpu::{Morph, RenderOptions, wgpu};
 use yamanami_lod::Front;
@@ -11,6 +12,15 @@ use yamanami_lod::Front;
 const PAGES_PER_FRAME: usize = 64;
 
 /// Which control moves the front.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Lod {
+    /// The exact controller: largest error first, budget met in the same frame.
+    Exact,
+    /// The paper's staircase with proportional feedback.
+    Paper(Staircase),
+}
+
+/// The control itself.
 #[derive(Debug, Clone)]
 enum Control {
     Exact(Box<Controller>),
@@ -179,6 +189,6 @@ impl Scene {
 }
 
 /// Geomorphing that suits an update: details fade in between the threshold in force and half as much again.
-pub(crate) fn morph_of(report: &FrameReport) -> Morph {
+pub fn morph_of(report: &FrameReport) -> Morph {
     Morph { tau_px: report.threshold, width: 0.5 }
 }

@@ -28,11 +28,16 @@ pub trait Subject {
     /// How it is drawn unless other colours are asked for; they keep still from picture to picture.
     fn usual_style(&self) -> RenderOptions;
 
-    /// Whether pages are read from a database as they are wanted.
-    fn is_paged(&self) -> bool;
+    /// Whether not all pages need be in memory: they come from a database as they are wanted, or are brought.
+    fn is_paged(&self) -> bool {
+        true
+    }
 
-    /// Brings the pages of absent nodes into memory, at most `max_pages`; gives how many were read.
-    fn load(&mut self, wanted: &[NodeId], max_pages: usize) -> Result<usize, Error>;
+    /// Brings the pages of absent nodes into memory, at most `max_pages`; gives how many were read. Where they are brought by
+    /// the subject's user, who finds the wanted nodes in the update's report, none is.
+    fn load(&mut self, _wanted: &[NodeId], _max_pages: usize) -> Result<usize, Error> {
+        Ok(0)
+    }
 
     /// Drops pages that no node of `in_use` needs until at most `max_bytes` stay; pages of coarse levels stay longest.
     fn shrink(&mut self, max_bytes: usize, in_use: impl Fn(NodeId) -> bool);

@@ -1,16 +1,24 @@
 //! An opened terrain: from elevation files, built in memory, or from a `.yama` database, read by pages.
 
-use crate::{Data, Error, Subject, yama};
+#[cfg(feature = "files")]
+use crate::yama;
+use crate::{Data, Error, Subject};
 use glam::DVec3;
+#[cfg(feature = "files")]
 use std::path::PathBuf;
 use std::sync::Arc;
-use yamanami_core::{Aabb, GeoReference, HeightField, LatticeNode, NodeId, PageId};
+use yamanami_core::{Aabb, GeoReference, HeightField, Lattice, LatticeNode, NodeId, PageId, TerrainPage};
 use yamanami_gpu::RenderOptions;
+#[cfg(feature = "files")]
 use yamanami_io::dem;
+use yamanami_io::store::TerrainMeta;
+#[cfg(feature = "files")]
 use yamanami_io::store::TerrainStore;
-use yamanami_multires::wavelet::{BuildOptions, PagedData, TerrainData, TerrainSurface, build};
+use yamanami_multires::MultiresError;
+use yamanami_multires::wavelet::{BuildOptions, NodeNumbers, PagedData, TerrainData, TerrainSurface, build};
 
 /// How to open.
+#[cfg(feature = "files")]
 #[derive(Debug, Clone, Default)]
 pub struct OpenOptions {
     /// For elevation files.
@@ -21,6 +29,7 @@ pub struct OpenOptions {
 #[derive(Debug)]
 pub struct Terrain {
     surface: TerrainSurface<Data>,
+    #[cfg(feature = "files")]
     store: Option<TerrainStore>,
     size: [usize; 2],
     range_m: [f32; 2],
@@ -29,6 +38,7 @@ pub struct Terrain {
 
 impl Terrain {
     /// Opens one `.yama`, or one or more elevation files as a mosaic. `progress` hears of the share built, 0 to 1.
+    #[cfg(feature = "files")]
     pub fn open(paths: &[PathBuf], options: &OpenOptions, progress: &dyn Fn(f32)) -> Result<Self, Error> {
         let title =
             paths.first().and_then(|p| p.file_name()).map_or_else(String::new, |n| n.to_string_lossy().into_owned());
@@ -47,9 +57,59 @@ impl Terrain {
         let size = [field.width(), field.height()];
         let range_m = field.range_m().unwrap_or([0.0; 2]);
         let surface = build(field, &BuildOptions { progress: Some(progress) })?;
-        Ok(Self { surface: surface.map_data(Data::Grid), store: None, size, range_m, title })
+        Ok(Self {
+            surface: surface.map_data(Data::Grid),
+            #[cfg(feature = "files")]
+            store: None,
+            size,
+            range_m,
+            title,
+        })
     }
 
+    /// A terrain whose pages are brought by its user. Nothing can be shown before those of the coarsest level are there.
+    pub fn from_pages(meta: &TerrainMeta) -> Result<Self, Error> {
+        let [width, height] = meta.size.map(|n| n as usize);
+        let lattice = Lattice::new(width, height);
+        let numbers = NodeNumbers::new(lattice.clone()).ok_or(MultiresError::TooLarge { width, height })?;
+        let data = Data::Paged(PagedData::new(lattice, meta.has_holes));
+        let surface = TerrainSurface::new(numbers, data, meta.geo.clone(), meta.bound_radius_m.clone());
+        Ok(Self {
+            surface,
+            #[cfg(feature = "files")]
+            store: None,
+            size: [width, height],
+            range_m: meta.height_range_m,
+            title: meta.title.clone(),
+        })
+    }
+
+    /// Brings a page into memory.
+    pub fn insert(&self, page: Arc<TerrainPage>) {
+        if let Data::Paged(data) = self.surface.data() {
+            data.insert(page);
+        }
+    }
+
+    /// The pages that these nodes need and that are not in memory, each once, about `most` of them.
+    pub fn absent(&self, wanted: &[NodeId], most: usize) -> Vec<PageId> {
+        let Data::Paged(data) = self.surface.data() else { return Vec::new() };
+        let mut pages = Vec::new();
+        for &node in wanted {
+            let place = self.surface.numbers().place(node);
+            for id in data.needed_pages(place) {
+                if data.page(id).is_none() && !pages.contains(&id) {
+                    pages.push(id);
+                }
+            }
+            if pages.len() >= most {
+                break;
+            }
+        }
+        pages
+    }
+
+    #[cfg(feature = "files")]
     pub(crate) fn from_store(
         surface: TerrainSurface<PagedData>,
         store: TerrainStore,
@@ -66,6 +126,7 @@ impl Terrain {
     }
 
     /// The database behind the terrain, if any.
+    #[cfg(feature = "files")]
     pub fn store(&self) -> Option<&TerrainStore> {
         self.store.as_ref()
     }
@@ -97,20 +158,10 @@ impl Terrain {
     }
 
     /// Brings the pages of absent nodes into memory, at most `max_pages`; gives how many were read.
+    #[cfg(feature = "files")]
     pub fn load(&self, wanted: &[NodeId], max_pages: usize) -> Result<usize, Error> {
         let (Data::Paged(data), Some(store)) = (self.surface.data(), &self.store) else { return Ok(0) };
-        let mut pages = Vec::new();
-        for &node in wanted {
-            let place = self.surface.numbers().place(node);
-            for id in data.needed_pages(place) {
-                if data.page(id).is_none() && !pages.contains(&id) {
-                    pages.push(id);
-                }
-            }
-            if pages.len() >= max_pages {
-                break;
-            }
-        }
+        let pages = self.absent(wanted, max_pages);
         for &id in &pages {
             data.insert(store.page(id)?);
         }
@@ -173,6 +224,7 @@ impl Terrain {
     }
 
     /// Brings a whole coarse level into memory.
+    #[cfg(feature = "files")]
     pub fn load_level(&self, level: u32) -> Result<(), Error> {
         let (Data::Paged(data), Some(store)) = (self.surface.data(), &self.store) else { return Ok(()) };
         for id in data.pages_of_level(level) {
@@ -182,6 +234,7 @@ impl Terrain {
     }
 
     /// Reads back the whole grid of heights; filled where there is no data.
+    #[cfg(feature = "files")]
     pub fn full_heights_m(&self) -> Result<Arc<[f32]>, Error> {
         match (self.surface.data(), &self.store) {
             (Data::Grid(grid), _) => Ok(grid.heights_m().into()),
@@ -228,9 +281,10 @@ impl Subject for Terrain {
     }
 
     fn is_paged(&self) -> bool {
-        self.store.is_some()
+        matches!(self.surface.data(), Data::Paged(_))
     }
 
+    #[cfg(feature = "files")]
     fn load(&mut self, wanted: &[NodeId], max_pages: usize) -> Result<usize, Error> {
         Self::load(self, wanted, max_pages)
     }

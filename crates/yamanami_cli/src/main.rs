@@ -5,6 +5,8 @@
 
 mod args;
 mod commands;
+#[cfg(feature = "serve")]
+mod databases;
 mod failure;
 mod inputs;
 mod out;

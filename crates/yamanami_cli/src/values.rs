@@ -212,6 +212,24 @@ pub(crate) fn zooms(text: &str) -> Result<[u32; 2], String> {
     }
 }
 
+/// Pixels along a tile's side.
+pub(crate) fn tile_px(text: &str) -> Result<u32, String> {
+    text.parse().ok().filter(|n| [256, 512].contains(n)).ok_or_else(|| "expected 256 or 512".to_owned())
+}
+
+/// An address with a port; `localhost` is this computer.
+#[cfg(feature = "serve")]
+pub(crate) fn socket(text: &str) -> Result<std::net::SocketAddr, String> {
+    let of = text.strip_prefix("localhost:").map_or_else(|| text.to_owned(), |port| format!("127.0.0.1:{port}"));
+    of.parse().map_err(|_| "expected an address and a port like 127.0.0.1:8080".to_owned())
+}
+
+/// How many connections there may be.
+#[cfg(feature = "serve")]
+pub(crate) fn connections(text: &str) -> Result<usize, String> {
+    text.parse().ok().filter(|n| (1..=100_000).contains(n)).ok_or_else(|| "expected 1 to 100000".to_owned())
+}
+
 /// A finite number.
 pub(crate) fn number(text: &str) -> Result<f64, String> {
     text.trim().parse::<f64>().ok().filter(|v| v.is_finite()).ok_or_else(|| "expected a finite number".to_owned())

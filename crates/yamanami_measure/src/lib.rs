@@ -4,7 +4,7 @@
 //! [`conformity`] looks for cracks,
 //! T-vertices and flipped triangles, [`mesh_defects`] for what is wrong with a scan, [`surface_distance`] gives the
 //! two-sided distance of any two meshes, [`tin`] what is exact on terrain surfaces (heights, sections, volumes), [`slope_sigma`] what slopes a
-//! size of triangle hides, [`ssim`] and [`flip`] compare pictures, and [`plot`] draws what was measured.
+//! size of triangle hides, [`tiles`] judges tiles and what lies between them, [`ssim`] and [`flip`] compare pictures, and [`plot`] draws what was measured.
 #![forbid(unsafe_code)]
 
 mod bvh;
@@ -22,6 +22,7 @@ mod projected;
 mod rows;
 mod sigma;
 mod ssim;
+pub mod tiles;
 pub mod tin;
 mod vertical;
 

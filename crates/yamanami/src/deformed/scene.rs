@@ -2,7 +2,8 @@
 
 use crate::{Canvas, Controller, Criteria, DrawWith, Error, FrameReport, Front, MapCriterion, Step, Upload};
 use glam::{DVec2, DVec3};
-use std::time::{Duration, Instant};
+use std::time::Duration;
+use web_time::Instant;
 use yamanami_core::{ActiveSet, DeformedMap, MapFault, MapView, NestedField, Sink, Surface, TriangleMesh};
 use yamanami_gpu::ResidentBuffers;
 use yamanami_gpu::software::map::MapScene;

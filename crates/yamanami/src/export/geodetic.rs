@@ -59,7 +59,7 @@ impl Geodetic {
             let source = geo.clone();
             let lift = move |[c, r]: [f64; 2]| {
                 let [x, y] = source.source_from_grid(c, r);
-                globe.geographic(DVec3::new(x, y, 0.0))[2]
+                globe.lon_lat_deg(DVec3::new(x, y, 0.0)).map_or(f64::NAN, |at| globe.ellipsoidal_m(at, 0.0))
             };
             let last = size.map(|n| f64::from(n - 1));
             let looks = (0..LOOKS * LOOKS).map(|k| [k % LOOKS, k / LOOKS].map(|i| f64::from(i) / f64::from(LOOKS - 1)));

@@ -4,7 +4,7 @@ use super::{ExportJob, ExportReport, ExportSubject, ZoomReport};
 use crate::{Criteria, Error, Subject, extract};
 use yamanami_core::TriangleMesh;
 use yamanami_io::mesh_file::{MeshMeta, write_file};
-use yamanami_io::tiles::glb::{LatticeMesh, encode_glb, step_below_m};
+use yamanami_io::tiles::glb::{LatticeMesh, TileClaim, encode_glb, step_below_m};
 
 /// Steps in the error that is allowed, and in an edge.
 const STEPS: f64 = 64.0;
@@ -27,7 +27,7 @@ fn of(subject: &mut impl Subject, job: &ExportJob<'_>) -> Result<ExportReport, E
     let mesh = on_lattice(&extracted.mesh);
     let error_m = f64::from(extracted.error_left) + 0.5 * 3f64.sqrt() * mesh.step_m;
     let meta = MeshMeta { title: subject.title().to_owned(), ..MeshMeta::default() };
-    let file = encode_glb(&mesh, options.packing, &meta, error_m);
+    let file = encode_glb(&mesh, options.packing, &meta, &TileClaim { error_m, height_range_m: None });
     write_file(job.output, &file)?;
     let triangles = mesh.triangles.len() as u64;
     let whole = ZoomReport { tiles: 1, triangles, bytes: file.len() as u64, error_m, ..ZoomReport::default() };

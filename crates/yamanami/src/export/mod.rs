@@ -6,9 +6,11 @@ mod model_cells;
 mod model_tiles;
 mod placement;
 mod quantized_mesh;
-mod site;
+mod terrain_3d;
 mod terrain_rgb;
 mod terrain_tiles;
+#[cfg(test)]
+mod tests_3d;
 mod tiles3d;
 mod tileset_files;
 
@@ -19,6 +21,7 @@ use crate::{Error, Model, Terrain};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
+use yamanami_io::dem::TileEncoding;
 
 /// What to write.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -33,8 +36,6 @@ pub enum ExportKind {
     TerrainRgb,
     /// One binary glTF.
     Glb,
-    /// A web page with the browser viewer and its data.
-    Site,
 }
 
 /// What is written.
@@ -74,6 +75,10 @@ pub struct ExportOptions {
     pub packing: GlbPacking,
     /// Most triangles of one glTF.
     pub budget_triangles: Option<u32>,
+    /// What the colours of terrain-rgb mean.
+    pub tile_encoding: TileEncoding,
+    /// Pixels along a side of terrain-rgb tiles.
+    pub tile_px: u32,
     /// Whether every sample is measured against what was written; slow.
     pub check: bool,
 }
@@ -89,6 +94,8 @@ impl Default for ExportOptions {
             geoid: GeoidChoice::default(),
             packing: GlbPacking::default(),
             budget_triangles: None,
+            tile_encoding: TileEncoding::TerrainRgb,
+            tile_px: 256,
             check: false,
         }
     }
@@ -149,7 +156,6 @@ pub fn export(kind: ExportKind, subject: ExportSubject<'_>, job: &ExportJob<'_>)
         ExportKind::QuantizedMesh => quantized_mesh::folder(subject, job),
         ExportKind::TerrainRgb => terrain_rgb::tiles(subject, job),
         ExportKind::Glb => glb::file(subject, job),
-        ExportKind::Site => site::folder(subject, job),
     }
 }
 

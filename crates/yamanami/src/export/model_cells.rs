@@ -18,8 +18,6 @@ use yamanami_core::{Aabb, Hierarchy, NodeId, Surface};
 use yamanami_io::tiles::glb::{LatticeMesh, step_below_m};
 use yamanami_io::tiles::tileset::Subdivision;
 
-/// Triangles of a leaf, about.
-const LEAF_TRIANGLES: i64 = 40_000;
 /// Levels below the root: walls lie on whole steps.
 const MOST_LEVELS: u32 = 12;
 /// Steps in an edge of the source, at least.
@@ -86,8 +84,8 @@ impl Cells {
 }
 
 impl Plan {
-    /// Plans the tiles of a model whose leaves are within `leaf_error_m` of the source.
-    pub(super) fn of(model: &Model, placement: Option<Placement>, leaf_error_m: f64) -> Self {
+    /// Plans the tiles of a model whose leaves are within `leaf_error_m` of the source and have about so many triangles.
+    pub(super) fn of(model: &Model, placement: Option<Placement>, leaf_error_m: f64, leaf_triangles: i64) -> Self {
         let stretch = placement.as_ref().map_or(1.0, |p| p.stretch);
         let local = |p: DVec3| placement.as_ref().map_or(p, |place| place.local(p));
         let source = model.bounds();
@@ -115,12 +113,12 @@ impl Plan {
             fixed_error_m: 0.5 * 3f64.sqrt() * step_m + stored_m,
             tiles: Vec::new(),
         };
-        plan.choose_levels(surface);
+        plan.choose_levels(surface, leaf_triangles);
         plan
     }
 
     /// Errors of the levels, so that a tile of each has as many triangles as a leaf; and the tree of the tiles.
-    fn choose_levels(&mut self, surface: &impl Hierarchy) {
+    fn choose_levels(&mut self, surface: &impl Hierarchy, leaf_triangles: i64) {
         let added = |node: NodeId| i64::from(surface.triangles_added(node, &|_| false));
         let mut applied: Vec<NodeId> =
             (0..surface.node_bound()).filter(|&n| self.nodes[n as usize].error_m > self.leaf_error_m).collect();
@@ -128,18 +126,18 @@ impl Plan {
         let mut triangles = surface.base_triangle_count() as i64;
         for &node in &applied {
             triangles += added(node);
-            while triangles > LEAF_TRIANGLES << (2 * self.level_error_m.len()) {
+            while triangles > leaf_triangles << (2 * self.level_error_m.len()) {
                 self.level_error_m.push(self.nodes[node as usize].error_m);
             }
         }
         let weighed = applied.iter().map(|&node| (self.nodes[node as usize].centre, added(node))).collect();
-        self.divide((0, [0; 3]), weighed);
+        self.divide((0, [0; 3]), weighed, leaf_triangles);
     }
 
-    fn divide(&mut self, tile: TilePlace, nodes: Vec<(DVec3, i64)>) {
+    fn divide(&mut self, tile: TilePlace, nodes: Vec<(DVec3, i64)>, leaf_triangles: i64) {
         let (level, place) = tile;
         let triangles: i64 = nodes.iter().map(|(_, added)| added).sum();
-        let is_leaf = triangles <= LEAF_TRIANGLES || level == MOST_LEVELS;
+        let is_leaf = triangles <= leaf_triangles || level == MOST_LEVELS;
         self.tiles.push((tile, is_leaf));
         if is_leaf {
             return;
@@ -158,7 +156,7 @@ impl Plan {
                 true => 2 * place[axis] + (part >> axis & 1) as u32,
                 false => 0,
             });
-            self.divide((level + 1, child), nodes);
+            self.divide((level + 1, child), nodes, leaf_triangles);
         }
     }
 

@@ -3,7 +3,7 @@
 
 use super::model_cells::Plan;
 use super::placement::Placement;
-use super::tileset_files::{TilePlace, TileRecord, TileTree, box_of, content_path};
+use super::tileset_files::{TilePlace, TileRecord, TileTree, box_of, content_path, kept_content};
 use super::{ExportJob, ExportReport};
 use crate::{Error, Model, Subject};
 use glam::DVec3;
@@ -11,11 +11,13 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use yamanami_core::{Aabb, Hierarchy, NodeId};
 use yamanami_io::mesh_file::MeshMeta;
-use yamanami_io::tiles::glb::{GlbFacts, encode_glb};
+use yamanami_io::tiles::glb::{GlbFacts, TileClaim, encode_glb};
 use yamanami_io::tiles::subtree::{TileBounds, TileFacts};
 use yamanami_io::tiles::tileset::BoundingVolume;
 use yamanami_io::tiles::{TileFolder, TileOutput};
 
+/// Triangles of a leaf, about.
+const LEAF_TRIANGLES: i64 = 40_000;
 /// Tiles made side by side: each has its triangles in memory.
 const TILES_AT_ONCE: usize = 8;
 /// Bytes of pages that stay between tiles.
@@ -35,7 +37,7 @@ pub(super) fn write(model: &mut Model, job: &ExportJob<'_>, folder: &TileFolder)
         }
         None => None,
     };
-    let plan = Plan::of(model, placement, options.tolerance_m.unwrap_or(0.0));
+    let plan = Plan::of(model, placement, options.tolerance_m.unwrap_or(0.0), LEAF_TRIANGLES);
     let mut report = ExportReport { notes, ..ExportReport::default() };
     let mut tiles = BTreeMap::new();
     let meta = MeshMeta::default();
@@ -59,8 +61,8 @@ pub(super) fn write(model: &mut Model, job: &ExportJob<'_>, folder: &TileFolder)
                 if part.triangles.is_empty() {
                     return Ok(None);
                 }
-                let error_m = error_m + sag_m;
-                let file = encode_glb(&part, options.packing, &meta, error_m);
+                let claim = TileClaim { error_m: error_m + sag_m, height_range_m: None };
+                let file = encode_glb(&part, options.packing, &meta, &claim);
                 folder.put(&content_path(plan.cells.subdivision, tile), &file)?;
                 Ok(GlbFacts::of(&file).map(|facts| record(&plan, &facts, file.len())))
             })
@@ -93,11 +95,8 @@ pub(super) fn write(model: &mut Model, job: &ExportJob<'_>, folder: &TileFolder)
 
 /// What is known of a tile that an earlier run wrote.
 fn kept(plan: &Plan, tile: TilePlace, folder: &TileFolder) -> Option<TileRecord> {
-    if !folder.is_resumed() {
-        return None;
-    }
-    let file = std::fs::read(folder.part().join(content_path(plan.cells.subdivision, tile))).ok()?;
-    GlbFacts::of(&file).map(|facts| record(plan, &facts, file.len()))
+    let (facts, bytes) = kept_content(folder, plan.cells.subdivision, tile)?;
+    Some(record(plan, &facts, bytes))
 }
 
 fn record(plan: &Plan, facts: &GlbFacts, bytes: usize) -> TileRecord {
@@ -105,7 +104,7 @@ fn record(plan: &Plan, facts: &GlbFacts, bytes: usize) -> TileRecord {
     let step = DVec3::splat(0.5 * plan.cells.step_m);
     let bounds = Aabb { min: facts.bounds.min - step, max: facts.bounds.max + step };
     TileRecord {
-        facts: TileFacts { bounds: TileBounds::Box(box_of(&bounds, 0.0)), error_m: facts.error_m },
+        facts: TileFacts { bounds: TileBounds::Box(box_of(&bounds, 0.0)), error_m: facts.claim.error_m },
         has_content: true,
         triangles: facts.triangles,
         bytes: bytes as u64,

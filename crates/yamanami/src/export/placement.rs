@@ -99,22 +99,35 @@ impl Placement {
         self.geoid.is_some()
     }
 
-    fn lon_lat_deg(&self, p: DVec3) -> Option<[f64; 2]> {
+    /// Longitude and latitude of a place, degrees.
+    pub(super) fn lon_lat_deg(&self, p: DVec3) -> Option<[f64; 2]> {
         let [lon, lat] = crs::to_lon_lat(&self.crs, p.x, p.y)?;
         // beside the middle, also where the antimeridian lies between
         Some([lon - 360.0 * ((lon - self.middle_deg) / 360.0).round(), lat])
     }
 
-    /// Longitude, latitude (radians) and height above the ellipsoid of a place; not numbers where there is no answer.
-    pub(super) fn geographic(&self, p: DVec3) -> [f64; 3] {
-        let Some([lon, lat]) = self.lon_lat_deg(p) else { return [f64::NAN; 3] };
-        let geoid_m = self.geoid.as_ref().map_or(0.0, |g| g.height_m(lon, lat).unwrap_or(f64::NAN));
-        [lon.to_radians(), lat.to_radians(), p.z + geoid_m]
+    /// Height above the ellipsoid of a height of the source; not a number where the geoid has none.
+    pub(super) fn ellipsoidal_m(&self, [lon, lat]: [f64; 2], z: f64) -> f64 {
+        z + self.geoid.as_ref().map_or(0.0, |geoid| geoid.height_m(lon, lat).unwrap_or(f64::NAN))
+    }
+
+    /// A place in the tileset's frame by degrees and height above the ellipsoid.
+    pub(super) fn local_from_geographic(&self, [lon, lat]: [f64; 2], height_m: f64) -> DVec3 {
+        self.frame.local_from_ecef(ecef_from_geographic([lon.to_radians(), lat.to_radians(), height_m]))
+    }
+
+    /// A vector (east, north, up) at a place in degrees, turned into the tileset's frame.
+    pub(super) fn turned_at(&self, [lon, lat]: [f64; 2], direction: [f32; 3]) -> [f32; 3] {
+        let there = LevelFrame::at([lon.to_radians(), lat.to_radians(), 0.0]);
+        let tip = there.ecef_from_local(DVec3::from_array(direction.map(f64::from)));
+        let turned = self.frame.local_from_ecef(tip) - self.frame.local_from_ecef(there.ecef_from_local(DVec3::ZERO));
+        turned.normalize_or(DVec3::Z).as_vec3().to_array()
     }
 
     /// A place in the tileset's frame; not numbers where there is no answer.
     pub(super) fn local(&self, p: DVec3) -> DVec3 {
-        self.frame.local_from_ecef(ecef_from_geographic(self.geographic(p)))
+        let Some(at) = self.lon_lat_deg(p) else { return DVec3::NAN };
+        self.local_from_geographic(at, self.ellipsoidal_m(at, p.z))
     }
 
     /// A unit vector at a place, turned into the tileset's frame.

@@ -1,6 +1,7 @@
 //! Tiles of an opened terrain, whether it is in memory or read by pages.
 
 use crate::{Data, Error, Terrain};
+use yamanami_core::LatticeNode;
 use yamanami_multires::tiles::{CutOptions, CutScratch, Cutter, Placement, Tile, TilePiece};
 use yamanami_multires::wavelet::{GridData, PagedData};
 
@@ -53,19 +54,25 @@ impl<'a> TerrainTiles<'a> {
                 Ok(piece) => return Ok(piece),
                 Err(absent) => absent,
             };
-            let (Data::Paged(pages), Some(store)) = (self.terrain.surface().data(), self.terrain.store()) else {
-                return Err(Error::Request("this terrain has lost its database".to_owned()));
-            };
-            let mut wanted: Vec<_> = absent.0.into_iter().flat_map(|node| pages.needed_pages(node)).collect();
-            wanted.sort_unstable();
-            wanted.dedup();
-            for id in wanted {
-                if pages.page(id).is_none() {
-                    pages.insert(store.page(id)?);
-                }
-            }
+            load(self.terrain, absent.0)?;
         }
     }
+}
+
+/// Reads the pages of midpoints that are not in memory.
+pub(crate) fn load(terrain: &Terrain, absent: Vec<LatticeNode>) -> Result<(), Error> {
+    let (Data::Paged(pages), Some(store)) = (terrain.surface().data(), terrain.store()) else {
+        return Err(Error::Request("this terrain has lost its database".to_owned()));
+    };
+    let mut wanted: Vec<_> = absent.into_iter().flat_map(|node| pages.needed_pages(node)).collect();
+    wanted.sort_unstable();
+    wanted.dedup();
+    for id in wanted {
+        if pages.page(id).is_none() {
+            pages.insert(store.page(id)?);
+        }
+    }
+    Ok(())
 }
 
 /// Drops what pages of a terrain are too many, between two batches.

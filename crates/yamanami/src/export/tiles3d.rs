@@ -1,6 +1,6 @@
 //! 3D Tiles 1.1: a folder, or one archive.
 
-use super::{ExportJob, ExportKind, ExportReport, ExportSubject, model_tiles};
+use super::{ExportJob, ExportKind, ExportReport, ExportSubject, model_tiles, terrain_3d};
 use crate::Error;
 use std::path::PathBuf;
 use yamanami_io::IoError;
@@ -29,6 +29,6 @@ pub(super) fn archive(subject: ExportSubject<'_>, job: &ExportJob<'_>) -> Result
 fn tiles(subject: ExportSubject<'_>, job: &ExportJob<'_>, folder: &TileFolder) -> Result<ExportReport, Error> {
     match subject {
         ExportSubject::Model(model) => model_tiles::write(model, job, folder),
-        ExportSubject::Terrain(_) => Err(Error::Request("terrains cannot be written as 3dtiles yet".to_owned())),
+        ExportSubject::Terrain(terrain) => terrain_3d::write(terrain, job, folder),
     }
 }

@@ -5,11 +5,12 @@ use crate::Error;
 use glam::DVec3;
 use std::collections::BTreeMap;
 use yamanami_core::Aabb;
-use yamanami_io::tiles::TileOutput;
+use yamanami_io::tiles::glb::GlbFacts;
 use yamanami_io::tiles::subtree::{Subtree, TileBounds, TileFacts, facts_schema, morton, tile_number};
 use yamanami_io::tiles::tileset::{
     Asset, BoundingVolume, Content, ImplicitTiling, Subdivision, SubtreeFiles, Tile, Tileset,
 };
+use yamanami_io::tiles::{TileFolder, TileOutput};
 
 /// A tile's level and place.
 pub(super) type TilePlace = (u32, [u32; 3]);
@@ -40,6 +41,19 @@ pub(super) struct TileTree {
 /// Path of a tile's file.
 pub(super) fn content_path(subdivision: Subdivision, (level, place): TilePlace) -> String {
     format!("content/{}.glb", subdivision.path(level, place))
+}
+
+/// What an earlier run wrote as a tile's file, and its bytes.
+pub(super) fn kept_content(
+    folder: &TileFolder,
+    subdivision: Subdivision,
+    tile: TilePlace,
+) -> Option<(GlbFacts, usize)> {
+    if !folder.is_resumed() {
+        return None;
+    }
+    let file = std::fs::read(folder.part().join(content_path(subdivision, tile))).ok()?;
+    Some((GlbFacts::of(&file)?, file.len()))
 }
 
 /// The box of an axis-aligned box; no half axis is nothing.

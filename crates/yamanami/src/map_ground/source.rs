@@ -5,21 +5,39 @@ use super::interpolate::Samples;
 use super::layer::part_at;
 use crate::Error;
 use glam::DVec2;
+#[cfg(feature = "files")]
 use rayon::prelude::*;
+#[cfg(feature = "files")]
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use yamanami_core::{GeoReference, HeightSource, PAGE_CELLS, PageId, TerrainPage, Window};
+#[cfg(feature = "files")]
+use yamanami_core::HeightSource;
+use yamanami_core::{GeoReference, Lattice, PAGE_CELLS, PageId, TerrainPage, Window};
 use yamanami_io::crs;
+#[cfg(feature = "files")]
 use yamanami_io::dem::{self, DemFile};
+use yamanami_io::store::TerrainMeta;
+#[cfg(feature = "files")]
 use yamanami_io::store::TerrainStore;
 
 /// Decoded pages of a database kept in memory, bytes: those of one window and their coarser ones.
+#[cfg(feature = "files")]
 const CACHE_BYTES: usize = 192 << 20;
 
+/// A page of a terrain, when it is at hand.
+pub type PageAtHand = Arc<dyn Fn(PageId) -> Option<Arc<TerrainPage>> + Send + Sync>;
+
 enum Reader {
+    #[cfg(feature = "files")]
     Files(DemFile),
+    #[cfg(feature = "files")]
     Database(TerrainStore),
+    Pages {
+        title: PathBuf,
+        lattice: Lattice,
+        page: PageAtHand,
+    },
 }
 
 /// One source of heights.
@@ -33,7 +51,16 @@ pub(super) struct Source {
 }
 
 impl Source {
+    /// A terrain of which only some pages are in memory.
+    pub(super) fn of_pages(meta: &TerrainMeta, page: PageAtHand) -> Self {
+        let size = meta.size.map(|n| n as usize);
+        let parts = vec![Window { column: 0, row: 0, width: size[0], height: size[1] }];
+        let reader = Reader::Pages { title: PathBuf::from(&meta.title), lattice: Lattice::new(size[0], size[1]), page };
+        Self { reader, geo: meta.geo.clone(), size, parts }
+    }
+
     /// Opens files, folders and databases, those of one lattice together, the finest first.
+    #[cfg(feature = "files")]
     pub(super) fn open(paths: &[PathBuf], options: &dem::OpenOptions) -> Result<Vec<Self>, Error> {
         let is_database = |path: &&PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("yama"));
         let (databases, files): (Vec<&PathBuf>, Vec<&PathBuf>) = paths.iter().partition(is_database);
@@ -67,8 +94,11 @@ impl Source {
 
     pub(super) fn label(&self) -> &Path {
         match &self.reader {
+            #[cfg(feature = "files")]
             Reader::Files(dem) => dem.label(),
+            #[cfg(feature = "files")]
             Reader::Database(store) => store.path(),
+            Reader::Pages { title, .. } => title,
         }
     }
 
@@ -80,7 +110,11 @@ impl Source {
 
     /// What is told of a source of which a share of the map came.
     pub(super) fn report(&self, share: f64) -> MapSource {
-        let files = if let Reader::Files(dem) = &self.reader { dem.info().files } else { 1 };
+        let files = match &self.reader {
+            #[cfg(feature = "files")]
+            Reader::Files(dem) => dem.info().files,
+            _ => 1,
+        };
         let (path, crs) = (self.label().to_owned(), self.geo.crs.name.clone());
         MapSource { path, files, spacing_m: self.spacing_m(), crs, share }
     }
@@ -126,16 +160,23 @@ impl Source {
 
     /// The coarsest level whose samples are no wider apart than a grid's; files have but one.
     pub(super) fn level_for(&self, spacing_m: f64) -> u32 {
-        let Reader::Database(store) = &self.reader else { return 0 };
         let wider = (spacing_m * 1.001 / self.spacing_m()).max(1.0);
-        (wider.log2() as u32).min(store.lattice().levels())
+        (wider.log2() as u32).min(self.lattice().map_or(0, Lattice::levels))
     }
 
     /// Columns and rows of a level.
     pub(super) fn points(&self, level: u32) -> [usize; 2] {
+        self.lattice().map_or(self.size, |lattice| lattice.points(level).map(|n| n as usize))
+    }
+
+    /// The levels, of a source that has them.
+    fn lattice(&self) -> Option<&Lattice> {
         match &self.reader {
-            Reader::Files(_) => self.size,
-            Reader::Database(store) => store.lattice().points(level).map(|n| n as usize),
+            #[cfg(feature = "files")]
+            Reader::Files(_) => None,
+            #[cfg(feature = "files")]
+            Reader::Database(store) => Some(store.lattice()),
+            Reader::Pages { lattice, .. } => Some(lattice),
         }
     }
 
@@ -143,12 +184,23 @@ impl Source {
     pub(super) fn read(&mut self, level: u32, window: Window) -> Result<Samples, Error> {
         let (width, height) = (window.width, window.height);
         let heights_m = match &mut self.reader {
+            #[cfg(feature = "files")]
             Reader::Files(dem) => {
                 let mut heights_m = vec![f32::NAN; width * height];
                 dem.read_window(window, &mut heights_m)?;
                 heights_m
             }
+            #[cfg(feature = "files")]
             Reader::Database(store) => read_pages(store, level, window)?,
+            Reader::Pages { lattice, page, .. } => {
+                let mut heights_m = vec![f32::NAN; width * height];
+                for id in pages_of(lattice, level, window) {
+                    if let Some(page) = page(id) {
+                        copy_page(&page, window, &mut heights_m);
+                    }
+                }
+                heights_m
+            }
         };
         Ok(Samples { heights_m, width, height, spline: None })
     }
@@ -162,17 +214,23 @@ pub(super) fn grid_from_lon_lat(geo: &GeoReference, lon: f64, lat: f64) -> DVec2
     }
 }
 
-/// Heights of a window of a level, several pages at once; NaN where no triangle is shown.
-fn read_pages(store: &TerrainStore, level: u32, window: Window) -> Result<Vec<f32>, Error> {
-    let pages = store.pages_at(level);
+/// The pages that hold a window of a level.
+fn pages_of(lattice: &Lattice, level: u32, window: Window) -> Vec<PageId> {
+    let pages = lattice.squares(level).map(|n| n.div_ceil(PAGE_CELLS));
     let tiles = |first: usize, count: usize, pages: u32| {
         let tile = |point: usize| (point as u32 / PAGE_CELLS).min(pages - 1);
         tile(first)..=tile(first + count - 1)
     };
     let columns = tiles(window.column, window.width, pages[0]);
-    let ids: Vec<PageId> = tiles(window.row, window.height, pages[1])
+    tiles(window.row, window.height, pages[1])
         .flat_map(|y| columns.clone().map(move |x| PageId { level, x, y }))
-        .collect();
+        .collect()
+}
+
+/// Heights of a window of a level, several pages at once; NaN where no triangle is shown.
+#[cfg(feature = "files")]
+fn read_pages(store: &TerrainStore, level: u32, window: Window) -> Result<Vec<f32>, Error> {
+    let ids = pages_of(store.lattice(), level, window);
     // coarser pages first, each once: finer ones are told as differences from them
     let mut coarser: Vec<BTreeSet<PageId>> = Vec::new();
     let mut last: BTreeSet<PageId> = ids.iter().copied().collect();

@@ -9,6 +9,7 @@ use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use std::time::Instant;
+use yamanami::io::dem::TileEncoding;
 use yamanami::{
     ExportJob, ExportKind, ExportOptions, ExportReport, ExportSubject, Fill, GeoidChoice, GlbPacking, HeightKind,
     ZoomReport, export,
@@ -25,17 +26,19 @@ Examples:
   yamanami export scan.yama --to 3tz -o scan.3tz              a scan, every triangle of it, in one archive
   yamanami export scan.ply --to glb --budget 100000 -o scan.glb
                                                 100,000 triangles, packed small
+  yamanami export dem.tif --to terrain-rgb -o dem.pmtiles      for MapLibre and others, in one archive; else a folder
+  yamanami export dem.yama scan.yama --to site -o site         the browser viewer as files for any web host
 
 A tile tree appears whole under its name; a run that was stopped goes on where it was when it is called again.")]
 pub(crate) struct ExportArgs {
     #[command(flatten)]
-    source: SourceArgs,
+    pub(super) source: SourceArgs,
     /// What to write
     #[arg(long, value_enum, value_name = "KIND")]
     to: KindName,
     /// The file or folder to write
     #[arg(short, long, value_name = "OUT")]
-    output: PathBuf,
+    pub(super) output: PathBuf,
     /// No sample is further than so many metres from the finest zoom; each coarser one may be twice as far off. Default: a
     /// quarter of the samples' spacing; of a scan or TIN every triangle
     #[arg(long, value_name = "M", value_parser = values::positive, help_heading = "How fine")]
@@ -64,12 +67,22 @@ pub(crate) struct ExportArgs {
     /// How glTF is packed
     #[arg(long, value_enum, value_name = "KIND", default_value = "meshopt")]
     packing: PackingName,
+    /// What the colours of terrain-rgb mean: terrain-rgb, terrarium or gsi
+    #[arg(long, value_name = "NAME", default_value = "terrain-rgb", value_parser = values::tile_encoding, help_heading = "terrain-rgb")]
+    encoding: TileEncoding,
+    /// Pixels along a side of a terrain-rgb tile: 256 or 512
+    #[arg(long, value_name = "N", default_value = "256", value_parser = values::tile_px, help_heading = "terrain-rgb")]
+    tile_px: u32,
+    /// Folder of a built viewer for a site, in place of the one in the program
+    #[cfg(feature = "serve")]
+    #[arg(long, value_name = "DIR", help_heading = "site")]
+    pub(super) web: Option<PathBuf>,
     /// Measure every sample against what was written; a broken promise is a failure
     #[arg(long, help_heading = "Results")]
     check: bool,
     /// Print JSON
     #[arg(long, help_heading = "Results")]
-    json: bool,
+    pub(super) json: bool,
 }
 
 /// Names of what can be written.
@@ -112,15 +125,16 @@ enum PackingName {
 }
 
 impl KindName {
-    fn kind(self) -> ExportKind {
-        match self {
+    /// The library's kind; a site is put together here, since the library has no viewer.
+    fn kind(self) -> Option<ExportKind> {
+        Some(match self {
             Self::Tiles3d => ExportKind::Tiles3d,
             Self::Tiles3tz => ExportKind::Tiles3tz,
             Self::QuantizedMesh => ExportKind::QuantizedMesh,
             Self::TerrainRgb => ExportKind::TerrainRgb,
             Self::Glb => ExportKind::Glb,
-            Self::Site => ExportKind::Site,
-        }
+            Self::Site => return None,
+        })
     }
 }
 
@@ -135,6 +149,14 @@ fn fill(text: &str) -> Result<Fill, String> {
 }
 
 pub(crate) fn run(args: &ExportArgs) -> Result<(), Failure> {
+    let Some(kind) = args.to.kind() else {
+        #[cfg(feature = "serve")]
+        return super::site::run(args);
+        #[cfg(not(feature = "serve"))]
+        return Err(Failure::failed(
+            "this program was built without the browser viewer: build it with the feature serve",
+        ));
+    };
     let options = ExportOptions {
         tolerance_m: args.tolerance,
         zooms: args.zooms,
@@ -155,6 +177,8 @@ pub(crate) fn run(args: &ExportArgs) -> Result<(), Failure> {
             PackingName::Meshopt => GlbPacking::Meshopt,
         },
         budget_triangles: args.budget,
+        tile_encoding: args.encoding,
+        tile_px: args.tile_px,
         check: args.check,
     };
     let mut opened = inputs::subject(&args.source)?;
@@ -174,7 +198,7 @@ pub(crate) fn run(args: &ExportArgs) -> Result<(), Failure> {
         let progress = |share| bar.set_share(share);
         let job =
             ExportJob { sources: &args.source.sources, output: &args.output, options: &options, progress: &progress };
-        export(args.to.kind(), subject, &job)?
+        export(kind, subject, &job)?
     };
     let seconds = started.elapsed().as_secs_f64();
     report.notes.iter().for_each(|line| note(&format!("note: {line}")));

@@ -36,7 +36,13 @@ mod render;
 mod render_model;
 mod reproduce;
 mod reproduce_hori;
+#[cfg(feature = "serve")]
+mod serve;
+#[cfg(feature = "serve")]
+mod site;
 mod tin;
+mod validate;
+mod validate_text;
 mod view;
 mod view_map;
 mod volume;
@@ -93,12 +99,15 @@ enum Command {
     Map(Box<map::MapArgs>),
     Extract(Box<extract::ExtractArgs>),
     Export(Box<export::ExportArgs>),
+    #[cfg(feature = "serve")]
+    Serve(serve::ServeArgs),
     Reduce(Box<reduce::ReduceArgs>),
     Compare(compare::CompareArgs),
     Heights(heights::HeightsArgs),
     Profile(profile::ProfileArgs),
     Tin(tin::TinArgs),
     Volume(volume::VolumeArgs),
+    Validate(validate::ValidateArgs),
     Generate(generate::GenerateArgs),
     Remesh(remesh::RemeshCommand),
     Wavelet(wavelet::WaveletArgs),
@@ -122,6 +131,8 @@ impl Program {
             Command::Render(args) => render::run(args),
             Command::Extract(args) => extract::run(args),
             Command::Export(args) => export::run(args),
+            #[cfg(feature = "serve")]
+            Command::Serve(args) => serve::run(args),
             Command::Reduce(args) => reduce::run(args),
             Command::Compare(args) => compare::run(args),
             Command::Heights(args) => heights::run(args),
@@ -129,6 +140,7 @@ impl Program {
             Command::Profile(args) => profile::run(args),
             Command::Tin(args) => tin::run(args),
             Command::Volume(args) => volume::run(args),
+            Command::Validate(args) => validate::run(args),
             Command::Generate(args) => generate::run(args),
             Command::Remesh(args) => remesh::run(args),
             Command::Wavelet(args) => wavelet::run(args),

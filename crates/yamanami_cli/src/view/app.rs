@@ -1,7 +1,5 @@
 //! One frame after another: input moves the camera, the camera the front, and the front the picture.
 
-use super::camera::{Mode, Rig};
-use super::ground::{Ground, ray_through};
 use super::panel::{self, Action, Plots, Shown};
 use super::recorder::{Player, Recorder, VIEWS_PER_S};
 use super::screenshot::{Screenshot, free_name};
@@ -14,6 +12,8 @@ use eframe::wgpu;
 use glam::DVec3;
 use std::path::{Path, PathBuf};
 use yamanami::core::View;
+use yamanami::steer::{Ground, ray_through};
+use yamanami::steer::{Mode, Rig};
 use yamanami::{CameraPath, Error, Subject};
 
 /// Longest frame that counts, seconds: after a stall the camera does not leap.

@@ -1,9 +1,9 @@
 //! The keyboard: keys that do something once, and keys held down to move.
 
-use super::camera::Drive;
 use super::panel::Action;
 use super::settings::{Colour, Settings};
 use eframe::egui::{self, Event, Key};
+use yamanami::steer::Drive;
 
 /// Keys and what they ask for.
 const ACTIONS: [(Key, Action); 9] = [

@@ -7,8 +7,6 @@
 //! the window. [`map`] is the other window, of deformed maps.
 
 mod app;
-mod camera;
-mod ground;
 mod keys;
 pub(crate) mod map;
 mod overlay;

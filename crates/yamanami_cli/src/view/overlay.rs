@@ -1,10 +1,10 @@
 //! What lies over the picture: the frustum of a held front, compass, places, messages and help.
 
-use super::ground::{Ground, ray_through};
 use eframe::egui::{self, Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, Vec2, pos2, vec2};
 use glam::{DVec2, DVec3, DVec4};
 use yamanami::Subject;
 use yamanami::core::{Perspective, Projection, View};
+use yamanami::steer::{Ground, ray_through};
 
 /// Colour of the held view's lines.
 const HELD: Color32 = Color32::from_rgb(255, 196, 64);

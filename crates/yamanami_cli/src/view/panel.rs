@@ -1,12 +1,12 @@
 //! The side panel: what the terrain is, what the frames cost, and every control.
 
-use super::camera::{Mode, Rig};
 use super::plots::{History, Label, short};
 use super::settings::{Colour, Control, Settings};
 use super::stage::{Numbers, Stage};
 use eframe::egui::{self, Slider, SliderClamping, Ui};
 use std::ops::RangeInclusive;
 use yamanami::Subject;
+use yamanami::steer::{Mode, Rig};
 
 /// What a button or a key asks for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

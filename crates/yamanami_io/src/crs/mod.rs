@@ -5,6 +5,7 @@
 
 mod azimuthal;
 mod ecef;
+#[cfg(feature = "files")]
 mod geoid;
 mod metric;
 mod table;
@@ -14,6 +15,7 @@ mod well_known;
 
 pub use azimuthal::AzimuthalPlane;
 pub use ecef::{LevelFrame, ecef_from_geographic, geographic_from_ecef};
+#[cfg(feature = "files")]
 pub use geoid::Geoid;
 pub use metric::metric_crs_at;
 use table::Projection;

@@ -40,7 +40,31 @@ impl TileEncoding {
         }
     }
 
-    fn height_m(self, [r, g, b]: [u8; 3]) -> f32 {
+    /// Step between heights that can be told apart, metres.
+    pub fn quantum_m(self) -> f64 {
+        match self {
+            Self::TerrainRgb => 0.1,
+            Self::Terrarium => 1.0 / 256.0,
+            Self::Gsi => 0.01,
+        }
+    }
+
+    /// The colour of a height in metres, the nearest there is; what means no data for NaN.
+    pub fn colour(self, height_m: f32) -> [u8; 3] {
+        let z = f64::from(height_m);
+        let code = match self {
+            // code 0 is no data
+            _ if z.is_nan() => return if self == Self::Gsi { [128, 0, 0] } else { [0; 3] },
+            Self::TerrainRgb => ((z + 10_000.0) * 10.0).round().clamp(1.0, f64::from(0xFF_FFFF)) as u32,
+            Self::Terrarium => ((z + 32_768.0) * 256.0).round().clamp(1.0, f64::from(0xFF_FFFF)) as u32,
+            Self::Gsi => (z * 100.0).round().clamp(f64::from(1 - (1 << 23)), f64::from((1 << 23) - 1)) as i32 as u32,
+        };
+        let [_, r, g, b] = code.to_be_bytes();
+        [r, g, b]
+    }
+
+    /// The height in metres that a colour means; NaN is no data.
+    pub fn height_m(self, [r, g, b]: [u8; 3]) -> f32 {
         let code = i32::from(r) << 16 | i32::from(g) << 8 | i32::from(b);
         match self {
             Self::TerrainRgb | Self::Terrarium if code == 0 => f32::NAN,
@@ -283,5 +307,18 @@ mod tests {
         assert_eq!(TileEncoding::Gsi.height_m([255, 255, 255]), -0.01);
         assert!(TileEncoding::Gsi.height_m([128, 0, 0]).is_nan());
         assert!(TileEncoding::TerrainRgb.height_m([0, 0, 0]).is_nan());
+    }
+
+    proptest::proptest! {
+        #[test]
+        fn heights_come_back_within_half_a_step(z in -9_999.0f32..9_000.0) {
+            for encoding in [TileEncoding::TerrainRgb, TileEncoding::Terrarium, TileEncoding::Gsi] {
+                let back = encoding.height_m(encoding.colour(z));
+                let half_m = 0.5 * encoding.quantum_m() + 1e-3;
+                proptest::prop_assert!(f64::from((back - z).abs()) <= half_m, "{z} {back}");
+                proptest::prop_assert!(encoding.height_m(encoding.colour(f32::NAN)).is_nan());
+                proptest::prop_assert!(!encoding.height_m(encoding.colour(z * 1e6)).is_nan());
+            }
+        }
     }
 }

@@ -3,7 +3,8 @@
 //! Everything goes to a file beside the target, named `<target>.part`, which takes the target's place at the end. A build
 //! that is killed leaves the old file as it was; one that fails also removes its part.
 
-use super::schema::{APPLICATION_ID, CHUNK_BYTES, Content, Table, row_crc32};
+use super::rows::row_crc32;
+use super::schema::{APPLICATION_ID, CHUNK_BYTES, Content, Table};
 use crate::IoError;
 use rusqlite::limits::Limit;
 use rusqlite::{Connection, MAIN_DB, OpenFlags, OptionalExtension, params};

@@ -35,7 +35,7 @@ impl TerrainMeta {
     pub const USUAL_ERROR_STEPS: u32 = 2;
 
     /// Checks that the facts can be true; says which cannot. What concerns the pages is checked by their codec.
-    pub(super) fn check(&self) -> Result<(), String> {
+    pub(crate) fn check(&self) -> Result<(), String> {
         let [columns, rows] = self.size;
         if columns < 2 || rows < 2 || columns > 1 << 30 || rows > 1 << 30 {
             return Err(format!("a size of {columns}x{rows} samples"));

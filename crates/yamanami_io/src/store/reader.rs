@@ -4,7 +4,8 @@ use super::cache::PageCache;
 use super::database::{WholeFile, lock};
 use super::meta::TerrainMeta;
 use super::page::PageCodec;
-use super::schema::{Content, TERRAIN_TABLES, page_id, read_meta, row_id};
+use super::rows::{page_id, row_id};
+use super::schema::{Content, TERRAIN_TABLES, read_meta};
 use crate::IoError;
 use rusqlite::{Connection, OptionalExtension, params};
 use std::path::Path;
@@ -248,8 +249,12 @@ fn read_facts(db: &Connection) -> rusqlite::Result<Result<FactsAndRadii, String>
         Ok(meta) => meta,
         Err(found) => return Ok(Err(found)),
     };
+    Ok(Ok((meta, read_bound_radii(db)?)))
+}
+
+/// By level, metres.
+pub(super) fn read_bound_radii(db: &Connection) -> rusqlite::Result<Vec<f64>> {
     let mut select =
         db.prepare("SELECT bound_radius_m FROM level WHERE bound_radius_m IS NOT NULL ORDER BY level LIMIT 64")?;
-    let radii = select.query_map([], |row| row.get(0))?.collect::<rusqlite::Result<Vec<f64>>>()?;
-    Ok(Ok((meta, radii)))
+    select.query_map([], |row| row.get(0))?.collect()
 }

@@ -1,18 +1,17 @@
 //! The tables of a `.yama` file, and the facts of a surface as rows of one of them.
 
 use super::cluster::{ClusterMeta, TinMeta};
+use super::facts::{Fact, Facts};
 use super::meta::TerrainMeta;
 use super::quantum::Quantum;
-use glam::DVec3;
 use rusqlite::types::{Value, ValueRef};
 use rusqlite::{Connection, params};
-use yamanami_core::{Aabb, Crs, GeoReference, PageId, Snap};
 
 /// "YAMA": bytes 68 to 71 of the file.
 pub(super) const APPLICATION_ID: u32 = 0x5941_4D41;
 /// Bytes 60 to 63 of the file tell what it holds and in which version; 0 while it is being written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Content {
+pub(crate) enum Content {
     /// A terrain.
     Terrain = 1,
     /// A model of clusters.
@@ -78,26 +77,6 @@ pub(super) const CLUSTER_TABLES: [Table; 4] = [
     CHUNK,
     PAGE,
 ];
-
-/// Row number of a page: coarse levels first, then by rows.
-pub(super) fn row_id(id: PageId) -> i64 {
-    i64::from(63 - id.level) << 48 | i64::from(id.y) << 24 | i64::from(id.x)
-}
-
-/// The page of a row number.
-pub(super) fn page_id(row: i64) -> Option<PageId> {
-    let field = |shift: u32| (row >> shift & 0xFF_FFFF) as u32;
-    let level = 63u32.checked_sub(u32::try_from(row >> 48).ok()?)?;
-    Some(PageId { level, x: field(0), y: field(24) })
-}
-
-/// Checksum of a row: CRC-32 of its number (8 bytes, little-endian) and its bytes.
-pub(super) fn row_crc32(row: i64, bytes: &[u8]) -> u32 {
-    let mut hasher = crc32fast::Hasher::new();
-    hasher.update(&row.to_le_bytes());
-    hasher.update(bytes);
-    hasher.finalize()
-}
 
 /// Writes the facts of a terrain.
 pub(super) fn write_meta(db: &Connection, meta: &TerrainMeta) -> rusqlite::Result<()> {
@@ -173,7 +152,7 @@ fn count(n: u64) -> Value {
 
 /// The facts as they are in the file; the inner error says what is wrong.
 pub(super) fn read_meta(db: &Connection) -> rusqlite::Result<Result<Facts, String>> {
-    let mut facts = std::collections::BTreeMap::new();
+    let mut facts = Facts::default();
     let mut select = db.prepare("SELECT key, value FROM meta LIMIT 1000")?;
     let mut rows = select.query([])?;
     while let Some(row) = rows.next()? {
@@ -181,139 +160,14 @@ pub(super) fn read_meta(db: &Connection) -> rusqlite::Result<Result<Facts, Strin
             ValueRef::Text(text) => String::from_utf8_lossy(text).into_owned(),
             other => return Ok(Err(format!("a key that is {}", other.data_type()))),
         };
-        facts.insert(key, row.get::<_, Value>(1)?);
-    }
-    Ok(Ok(Facts(facts)))
-}
-
-/// What a file says of itself, by name.
-#[derive(Debug)]
-pub(super) struct Facts(std::collections::BTreeMap<String, Value>);
-
-impl Facts {
-    fn wrong(&self, key: &str) -> String {
-        match self.0.get(key) {
-            None => format!("no `{key}`"),
-            Some(value) => format!("`{key}` = {value:?}"),
-        }
-    }
-
-    fn integer<T: TryFrom<i64>>(&self, key: &str) -> Result<T, String> {
-        let value = if let Some(Value::Integer(v)) = self.0.get(key) { T::try_from(*v).ok() } else { None };
-        value.ok_or_else(|| self.wrong(key))
-    }
-
-    fn real(&self, key: &str) -> Result<f64, String> {
-        match self.0.get(key) {
-            Some(Value::Real(v)) => Ok(*v),
-            _ => Err(self.wrong(key)),
-        }
-    }
-
-    fn text(&self, key: &str) -> Result<String, String> {
-        match self.0.get(key) {
-            Some(Value::Text(text)) => Ok(text.clone()),
-            _ => Err(self.wrong(key)),
-        }
-    }
-
-    fn flag(&self, key: &str) -> Result<bool, String> {
-        match self.0.get(key) {
-            Some(Value::Integer(v @ 0..=1)) => Ok(*v == 1),
-            _ => Err(self.wrong(key)),
-        }
-    }
-
-    /// A model; says what is missing or wrong.
-    pub(super) fn clusters(&self) -> Result<ClusterMeta, String> {
-        let tin = match self.text("kind")?.as_str() {
-            "clusters" => None,
-            "tin" => Some(self.tin()?),
-            _ => return Err(self.wrong("kind")),
+        let fact = match row.get::<_, Value>(1)? {
+            Value::Null => Fact::Null,
+            Value::Integer(v) => Fact::Integer(v),
+            Value::Real(v) => Fact::Real(v),
+            Value::Text(v) => Fact::Text(v),
+            Value::Blob(_) => return Ok(Err(format!("`{key}` is a blob"))),
         };
-        let corner = |end: &str| -> Result<DVec3, String> {
-            let at = |axis: &str| self.real(&format!("{axis}_{end}_m"));
-            Ok(DVec3::new(at("x")?, at("y")?, at("z")?))
-        };
-        Ok(ClusterMeta {
-            title: self.text("title")?,
-            source: self.text("source")?,
-            source_faces: self.integer("source_faces")?,
-            source_vertices: self.integer("source_vertices")?,
-            bounds: Aabb { min: corner("min")?, max: corner("max")? },
-            quantum_m: self.real("quantum_m")?,
-            max_error_m: self.real("max_error_m")?,
-            has_colours: self.flag("has_colours")?,
-            nodes: self.integer("nodes")?,
-            triangles: self.integer("triangles")?,
-            vertices: self.integer("vertices")?,
-            tin,
-        })
+        facts.insert(key, fact);
     }
-
-    fn tin(&self) -> Result<TinMeta, String> {
-        let epsg = self.epsg()?;
-        let crs = Crs { epsg, name: self.text("crs_name")?, ..Crs::default() };
-        let snap = Snap { unit_m: self.real("snap_unit_m")?, per_unit: self.real("snap_per_unit")? };
-        Ok(TinMeta { crs, unit_m: self.real("unit_m")?, snap })
-    }
-
-    fn epsg(&self) -> Result<Option<u32>, String> {
-        match self.0.get("crs_epsg") {
-            Some(Value::Null) => Ok(None),
-            _ => Ok(Some(self.integer("crs_epsg")?)),
-        }
-    }
-
-    /// A terrain, all but its bound radii; says what is missing or wrong.
-    pub(super) fn terrain(&self) -> Result<TerrainMeta, String> {
-        if self.text("kind")? != "terrain" {
-            return Err(self.wrong("kind"));
-        }
-        let crs = Crs {
-            epsg: self.epsg()?,
-            geographic: self.flag("crs_geographic")?,
-            web_mercator: self.flag("crs_web_mercator")?,
-            name: self.text("crs_name")?,
-        };
-        let geo = GeoReference {
-            crs,
-            origin: [self.real("origin_x")?, self.real("origin_y")?],
-            step: [self.real("step_x")?, self.real("step_y")?],
-            step_m: [self.real("step_x_m")?, self.real("step_y_m")?],
-        };
-        let quantum = match self.text("quantum")?.as_str() {
-            "per_metre" => Quantum::PerMetre(self.integer("quantum_value")?),
-            "step_m" => Quantum::Step(self.real("quantum_value")?),
-            "bits" => Quantum::Bits,
-            _ => return Err(self.wrong("quantum")),
-        };
-        Ok(TerrainMeta {
-            geo,
-            size: [self.integer("columns")?, self.integer("rows")?],
-            height_range_m: [self.real("height_min_m")? as f32, self.real("height_max_m")? as f32],
-            bound_radius_m: Vec::new(),
-            has_holes: self.flag("has_holes")?,
-            max_error_m: self.real("max_error_m")?,
-            quantum,
-            error_steps_per_octave: self.integer("error_steps_per_octave")?,
-            level0_slack_m: self.real("level0_slack_m")? as f32,
-            title: self.text("title")?,
-            source: self.text("source")?,
-        })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn row_numbers_go_from_coarse_to_fine_and_back() {
-        let ids = [(30, 0, 0), (3, 5, 0), (3, 0, 1), (0, 0xFF_FFFF, 2), (0, 0, 3)];
-        let ids = ids.map(|(level, x, y)| PageId { level, x, y });
-        assert!(ids.windows(2).all(|w| row_id(w[0]) < row_id(w[1])));
-        assert!(ids.iter().all(|&id| page_id(row_id(id)) == Some(id)));
-        assert_eq!(page_id(-1), None);
-    }
+    Ok(Ok(facts))
 }

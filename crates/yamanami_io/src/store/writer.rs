@@ -3,7 +3,8 @@
 use super::database::PartFile;
 use super::meta::TerrainMeta;
 use super::page::{EncodedPage, PageCodec};
-use super::schema::{Content, TERRAIN_TABLES, db_page_bytes, row_id, write_meta};
+use super::rows::row_id;
+use super::schema::{Content, TERRAIN_TABLES, db_page_bytes, write_meta};
 use crate::IoError;
 use rusqlite::{Connection, params};
 use std::path::Path;

@@ -7,7 +7,6 @@ use super::names::Names;
 use super::overlay::{self, LETTERS, Screen};
 use super::panel::{self, Action, Plots, Shown};
 use super::pick::Picked;
-use super::pose::Pose;
 use super::settings::Settings;
 use super::stage::{Numbers, Stage};
 use super::{Options, keys};
@@ -18,6 +17,7 @@ use std::sync::Arc;
 use yamanami::Error;
 use yamanami::core::{MapFault, MapView};
 use yamanami::map::Fonts;
+use yamanami::steer::Pose;
 
 /// Longest frame that counts, seconds: after a stall nothing leaps.
 const LONGEST_FRAME_S: f64 = 0.1;

@@ -15,7 +15,6 @@ mod names;
 mod overlay;
 mod panel;
 mod pick;
-mod pose;
 mod settings;
 mod stage;
 

@@ -1,11 +1,11 @@
 //! The side panel: what the map shows, what the frames cost, and every control.
 
 use super::super::plots::{History, Label, short};
-use super::pose::Pose;
 use super::settings::Settings;
 use super::stage::{Numbers, Stage};
 use eframe::egui::{self, Slider, SliderClamping, Ui};
 use yamanami::core::{DropFrom, MapFault, MapView};
+use yamanami::steer::Pose;
 
 /// Colour of what is wrong.
 const WARNING: egui::Color32 = egui::Color32::from_rgb(238, 150, 84);

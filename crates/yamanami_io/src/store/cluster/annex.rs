@@ -1,6 +1,7 @@
 //! What a TIN's file knew beside its visible triangles: name, breaklines, hidden faces, vertices that no face uses.
 
 use crate::store::bits::{put_varint, take, take_varint};
+use crate::store::frame::decompress;
 use glam::DVec3;
 use std::collections::HashMap;
 use yamanami_core::{Breakline, BreaklineKind, Tin, TriangleMesh};
@@ -80,12 +81,7 @@ impl TinAnnex {
     }
 
     pub(super) fn from_bytes(bytes: &[u8]) -> Option<Self> {
-        let mut raw = Vec::new();
-        let decoder = zstd::Decoder::new(bytes).ok()?;
-        std::io::Read::read_to_end(&mut std::io::Read::take(decoder, MOST_BYTES as u64 + 1), &mut raw).ok()?;
-        if raw.len() > MOST_BYTES {
-            return None;
-        }
+        let raw = decompress(bytes, MOST_BYTES)?;
         let mut raw = raw.as_slice();
         let name = take_text(&mut raw)?;
         let lines = take_varint(&mut raw)?;

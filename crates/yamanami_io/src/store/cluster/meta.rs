@@ -74,7 +74,7 @@ impl ClusterMeta {
     }
 
     /// Checks that the facts can be true; says which cannot.
-    pub(in crate::store) fn check(&self) -> Result<(), String> {
+    pub(crate) fn check(&self) -> Result<(), String> {
         let Aabb { min, max } = self.bounds;
         if !(min.is_finite() && max.is_finite() && min.cmple(max).all()) {
             return Err(format!("a box from {min} to {max}"));

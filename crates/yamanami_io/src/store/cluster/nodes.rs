@@ -1,17 +1,21 @@
 //! Nodes of a cluster hierarchy to bytes and back, a block of them at a time.
 
-use super::super::bits::{put_varint, take, take_varint};
+#[cfg(feature = "files")]
+use super::super::bits::put_varint;
+use super::super::bits::{take, take_varint};
+use super::super::frame::decompress;
 use glam::DVec3;
 use yamanami_core::{BASE_CLUSTERS, ClusterNode, Sphere, VertexId};
 
 /// Nodes of a block.
-pub(super) const BLOCK_NODES: usize = 1024;
+pub(crate) const BLOCK_NODES: usize = 1024;
 /// No node takes more bytes: 20 clusters away and 20 in their place.
 const MOST_NODE_BYTES: usize = 512;
 /// Most clusters that a node takes away or brings.
 const MOST_CLUSTERS: u64 = 20;
 /// Most clusters of the base mesh.
 const MOST_BASE_CLUSTERS: u64 = 1 << 16;
+#[cfg(feature = "files")]
 const ZSTD_LEVEL: i32 = 12;
 
 /// What the base mesh consists of.
@@ -23,6 +27,7 @@ pub(super) struct BaseShape {
 }
 
 /// Packs nodes from number `first` on: floats of all of them, then the whole numbers.
+#[cfg(feature = "files")]
 pub(super) fn pack(first: usize, nodes: &[ClusterNode]) -> std::io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     for node in nodes {
@@ -49,7 +54,7 @@ pub(super) fn pack(first: usize, nodes: &[ClusterNode]) -> std::io::Result<Vec<u
 /// Undoes [`pack`] for `count` nodes whose vertices are numbered from `next_vertex` on; `None` when the bytes are no such
 /// block.
 pub(super) fn unpack(first: usize, count: usize, bytes: &[u8], next_vertex: &mut VertexId) -> Option<Vec<ClusterNode>> {
-    let bytes = zstd::bulk::decompress(bytes, BLOCK_NODES * MOST_NODE_BYTES).ok()?;
+    let bytes = decompress(bytes, BLOCK_NODES * MOST_NODE_BYTES)?;
     let mut numbers = bytes.as_slice();
     let mut floats = take(&mut numbers, count.checked_mul(36)?)?;
     let mut nodes = Vec::with_capacity(count);
@@ -82,6 +87,7 @@ pub(super) fn unpack(first: usize, count: usize, bytes: &[u8], next_vertex: &mut
 }
 
 /// Packs what the base mesh consists of.
+#[cfg(feature = "files")]
 pub(super) fn pack_base(base: &BaseShape) -> std::io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     put_varint(&mut bytes, base.vertices.into());
@@ -92,7 +98,7 @@ pub(super) fn pack_base(base: &BaseShape) -> std::io::Result<Vec<u8>> {
 
 /// Undoes [`pack_base`].
 pub(super) fn unpack_base(bytes: &[u8]) -> Option<BaseShape> {
-    let bytes = zstd::bulk::decompress(bytes, 16 + 3 * MOST_BASE_CLUSTERS as usize).ok()?;
+    let bytes = decompress(bytes, 16 + 3 * MOST_BASE_CLUSTERS as usize)?;
     let mut numbers = bytes.as_slice();
     let vertices = u32::try_from(take_varint(&mut numbers)?).ok()?;
     let clusters = take_varint(&mut numbers).filter(|&n| n <= MOST_BASE_CLUSTERS)?;

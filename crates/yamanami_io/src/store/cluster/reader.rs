@@ -1,14 +1,13 @@
 //! Reading a model's `.yama` file: nodes at once, pages on demand from any thread.
 
 use super::annex::TinAnnex;
-use super::codec::{ClusterCodec, PageShape};
+use super::codec::ClusterCodec;
 use super::meta::ClusterMeta;
-use super::nodes::{BLOCK_NODES, BaseShape, unpack, unpack_base};
-use super::writer::{ANNEX_ROW, BASE_ROW, row_of};
+use super::table::{ANNEX_ROW, BASE_ROW, ClusterTable, group_row};
 use crate::IoError;
 use crate::store::database::{WholeFile, content_of};
-use crate::store::schema::{CLUSTER_TABLES, Content, read_meta, row_crc32};
-use rusqlite::{OptionalExtension, params};
+use crate::store::raw::node_block;
+use crate::store::schema::{CLUSTER_TABLES, Content, read_meta};
 use std::path::Path;
 use yamanami_core::{BASE_CLUSTERS, ClusterNode, ClusterPage, GroupId};
 
@@ -21,8 +20,7 @@ pub struct ClusterStore {
     file: WholeFile,
     meta: ClusterMeta,
     codec: ClusterCodec,
-    nodes: Vec<ClusterNode>,
-    base: BaseShape,
+    table: ClusterTable,
 }
 
 impl ClusterStore {
@@ -52,24 +50,9 @@ impl ClusterStore {
             let place = if row == BASE_ROW { "base mesh".to_owned() } else { format!("nodes from {row} on") };
             IoError::malformed(path, place, "whole nodes", "damaged ones")
         };
-        let block = |row: i64| -> Result<Vec<u8>, IoError> {
-            let sql = "SELECT crc32, data FROM node_block WHERE id = ?1";
-            let found: Option<(i64, Vec<u8>)> = file.with("table `node_block`", |db| {
-                db.prepare_cached(sql)?.query_row(params![row], |row| Ok((row.get(0)?, row.get(1)?))).optional()
-            })?;
-            let sound = found.filter(|(crc32, bytes)| i64::from(row_crc32(row, bytes)) == *crc32);
-            sound.map(|(_, bytes)| bytes).ok_or_else(|| damaged(row))
-        };
-        let base = unpack_base(&block(BASE_ROW)?).ok_or_else(|| damaged(BASE_ROW))?;
-        let mut nodes = Vec::new();
-        let mut next_vertex = base.vertices;
-        let count = meta.nodes as usize;
-        for first in (0..count).step_by(BLOCK_NODES) {
-            let bytes = block(first as i64)?;
-            let some = unpack(first, BLOCK_NODES.min(count - first), &bytes, &mut next_vertex);
-            nodes.extend(some.ok_or_else(|| damaged(first as i64))?);
-        }
-        Ok(Self { codec: ClusterCodec::new(&meta), file, meta, nodes, base })
+        let block = |row: i64| -> Result<Vec<u8>, IoError> { node_block(&file, row)?.ok_or_else(|| damaged(row)) };
+        let table = ClusterTable::read(&meta, block, damaged)?;
+        Ok(Self { codec: ClusterCodec::new(&meta), file, meta, table })
     }
 
     /// The file.
@@ -82,14 +65,19 @@ impl ClusterStore {
         &self.meta
     }
 
+    /// The nodes and what they say of the pages.
+    pub fn table(&self) -> &ClusterTable {
+        &self.table
+    }
+
     /// The nodes, parents first.
     pub fn nodes(&self) -> &[ClusterNode] {
-        &self.nodes
+        self.table.nodes()
     }
 
     /// Triangles in each cluster of the base mesh.
     pub fn base_clusters(&self) -> &[u16] {
-        &self.base.clusters
+        self.table.base_clusters()
     }
 
     /// A node's page, or the base mesh's ([`BASE_CLUSTERS`]).
@@ -98,8 +86,8 @@ impl ClusterStore {
             let place = if group == BASE_CLUSTERS { "base mesh".to_owned() } else { format!("page of node {group}") };
             IoError::malformed(self.path(), place, "a whole page", found)
         };
-        let shape = self.shape(group).ok_or_else(|| damaged("there is no such node"))?;
-        let bytes = self.file.page_bytes(row_of(group), MAX_ROW_BYTES as usize)?.map_err(damaged)?;
+        let shape = self.table.shape(group).ok_or_else(|| damaged("there is no such node"))?;
+        let bytes = self.file.page_bytes(group_row(group), MAX_ROW_BYTES as usize)?.map_err(damaged)?;
         self.codec.decode(shape, &bytes).map_err(damaged)
     }
 
@@ -111,31 +99,6 @@ impl ClusterStore {
         let damaged = |found: &'static str| IoError::malformed(self.path(), "annex", "a whole annex", found);
         let bytes = self.file.page_bytes(ANNEX_ROW, MAX_ROW_BYTES as usize)?.map_err(damaged)?;
         TinAnnex::from_bytes(&bytes).ok_or_else(|| damaged("a damaged one"))
-    }
-
-    /// What the nodes say of a page.
-    fn shape(&self, group: GroupId) -> Option<PageShape> {
-        let sum = |lengths: &[u16]| lengths.iter().map(|&n| u64::from(n)).sum();
-        if group == BASE_CLUSTERS {
-            let triangles = sum(&self.base.clusters);
-            let vertices = self.base.vertices;
-            return Some(PageShape { group, first_vertex: 0, vertices, triangles, replaced_triangles: 0 });
-        }
-        let node = self.nodes.get(group as usize)?;
-        let replaced = node.replaced.iter().map(|&(group, place)| {
-            let lengths = match group {
-                BASE_CLUSTERS => &self.base.clusters,
-                group => &self.nodes.get(group as usize)?.cluster_triangles,
-            };
-            lengths.get(usize::from(place)).map(|&n| u64::from(n))
-        });
-        Some(PageShape {
-            group,
-            first_vertex: node.first_vertex,
-            vertices: node.vertex_count,
-            triangles: sum(&node.cluster_triangles),
-            replaced_triangles: replaced.sum::<Option<u64>>()?,
-        })
     }
 
     /// Reads everything once: every page, every checksum.

@@ -4,26 +4,17 @@ use super::annex::TinAnnex;
 use super::codec::ClusterCodec;
 use super::meta::ClusterMeta;
 use super::nodes::{BLOCK_NODES, BaseShape, pack, pack_base};
+use super::table::{ANNEX_ROW, BASE_ROW, group_row};
 use crate::IoError;
 use crate::store::database::PartFile;
-use crate::store::schema::{CLUSTER_TABLES, Content, row_crc32, write_cluster_meta};
+use crate::store::rows::row_crc32;
+use crate::store::schema::{CLUSTER_TABLES, Content, write_cluster_meta};
 use rusqlite::params;
 use std::path::Path;
-use yamanami_core::{BASE_CLUSTERS, ClusterNode, GroupId};
+use yamanami_core::{ClusterNode, GroupId};
 
 /// Bytes of a database page.
 const DB_PAGE_BYTES: u32 = 1024;
-/// Row number of the base mesh, before those of all nodes.
-pub(super) const BASE_ROW: i64 = -1;
-
-/// Row number of a TIN's annex.
-pub(super) const ANNEX_ROW: i64 = -2;
-
-/// Row number of a group's page.
-pub(super) fn row_of(group: GroupId) -> i64 {
-    if group == BASE_CLUSTERS { BASE_ROW } else { group.into() }
-}
-
 /// A model's `.yama` file in the making.
 #[derive(Debug)]
 pub struct ClusterWriter {
@@ -78,7 +69,7 @@ impl ClusterWriter {
 
     /// Stores a coded page: of the base mesh first, then of the nodes in order, so that a prefix is a coarser model.
     pub fn insert(&mut self, group: GroupId, bytes: &[u8]) -> Result<(), IoError> {
-        self.file.insert_page(row_of(group), bytes)?;
+        self.file.insert_page(group_row(group), bytes)?;
         self.written += 1;
         Ok(())
     }

@@ -88,9 +88,17 @@ impl LatticeMesh {
     }
 }
 
-/// The file of a mesh that is nowhere further than `error_m` from its source. A mesh without triangles gives a scene without
-/// a mesh.
-pub fn encode_glb(mesh: &LatticeMesh, packing: GlbPacking, meta: &MeshMeta, error_m: f64) -> Vec<u8> {
+/// What a tile's file says of the tile.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TileClaim {
+    /// It is nowhere further from its source, metres.
+    pub error_m: f64,
+    /// Lowest and highest above the ellipsoid, metres, where that is known.
+    pub height_range_m: Option<[f64; 2]>,
+}
+
+/// The file of a mesh. A mesh without triangles gives a scene without a mesh.
+pub fn encode_glb(mesh: &LatticeMesh, packing: GlbPacking, meta: &MeshMeta, claim: &TileClaim) -> Vec<u8> {
     let mesh = mesh.in_order(packing);
     let mut document = json!({
         "asset": {"version": "2.0", "generator": "yamanami"},
@@ -105,7 +113,10 @@ pub fn encode_glb(mesh: &LatticeMesh, packing: GlbPacking, meta: &MeshMeta, erro
             *slot = json!(one_line(text));
         }
     }
-    document["nodes"][0]["extras"]["error_m"] = json!(error_m);
+    document["nodes"][0]["extras"]["error_m"] = json!(claim.error_m);
+    if let Some(range) = claim.height_range_m {
+        document["nodes"][0]["extras"]["height_range_m"] = json!(range);
+    }
     let mut buffers = Buffers { packing, ..Buffers::default() };
     if !mesh.triangles.is_empty() {
         let (stream, origin, scale) = places(&mesh, packing);
@@ -142,8 +153,8 @@ pub struct GlbFacts {
     pub bounds: Aabb,
     /// Its triangles.
     pub triangles: u64,
-    /// Its error, metres.
-    pub error_m: f64,
+    /// What it claims.
+    pub claim: TileClaim,
 }
 
 impl GlbFacts {
@@ -163,7 +174,13 @@ impl GlbFacts {
         Some(Self {
             bounds: Aabb { min: corner("min")?, max: corner("max")? },
             triangles: corners / 3,
-            error_m: node["extras"]["error_m"].as_f64()?,
+            claim: TileClaim {
+                error_m: node["extras"]["error_m"].as_f64()?,
+                height_range_m: match node["extras"]["height_range_m"].as_array().map(Vec::as_slice) {
+                    Some([low, high]) => Some([low.as_f64()?, high.as_f64()?]),
+                    _ => None,
+                },
+            },
         })
     }
 }

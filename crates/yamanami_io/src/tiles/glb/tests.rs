@@ -1,5 +1,9 @@
+//! Packed glTF: what is written comes back, and as others expect it.
+
 use super::*;
 use crate::mesh_file::read_mesh_from_bytes;
+
+const CLAIM: TileClaim = TileClaim { error_m: 0.5, height_range_m: Some([-3.0, 9.5]) };
 
 /// A hill on a square of `side` samples, so many steps apart, with its low corner at `corner`.
 fn hill(side: u32, spacing: i64, corner: [i64; 3]) -> LatticeMesh {
@@ -51,7 +55,8 @@ fn every_packing_comes_back_to_the_last_bit() {
         let place = |i: u32| DVec3::from_array(mesh.places[i as usize].map(|c| c as f64 * mesh.step_m));
         let mut sizes = Vec::new();
         for packing in [GlbPacking::Plain, GlbPacking::Quantised, GlbPacking::Meshopt] {
-            let file = encode_glb(&mesh, packing, &MeshMeta { title: "hill".to_owned(), ..MeshMeta::default() }, 0.5);
+            let file =
+                encode_glb(&mesh, packing, &MeshMeta { title: "hill".to_owned(), ..MeshMeta::default() }, &CLAIM);
             let read = read_mesh_from_bytes("hill.glb", &file).unwrap();
             let found = corners(|i| read.positions[i as usize], &read.triangles);
             assert_eq!(found, corners(place, &mesh.triangles), "{packing:?} {spacing}");
@@ -62,7 +67,7 @@ fn every_packing_comes_back_to_the_last_bit() {
                 assert!(dot > 0.9995, "{packing:?} {dot}");
             }
             let facts = GlbFacts::of(&file).unwrap();
-            assert_eq!((facts.triangles, facts.error_m), (mesh.triangles.len() as u64, 0.5));
+            assert_eq!((facts.triangles, facts.claim), (mesh.triangles.len() as u64, CLAIM));
             assert_eq!(facts.bounds, read.bounds());
             sizes.push(file.len());
         }
@@ -72,7 +77,7 @@ fn every_packing_comes_back_to_the_last_bit() {
 
 #[test]
 fn the_document_is_as_the_extensions_want() {
-    let file = encode_glb(&hill(5, 40, [0; 3]), GlbPacking::Meshopt, &MeshMeta::default(), 0.5);
+    let file = encode_glb(&hill(5, 40, [0; 3]), GlbPacking::Meshopt, &MeshMeta::default(), &CLAIM);
     let length = u32::from_le_bytes(file[12..16].try_into().unwrap()) as usize;
     let document: Value = serde_json::from_slice(&file[20..20 + length]).unwrap();
     assert_eq!(file.len(), u32::from_le_bytes(file[8..12].try_into().unwrap()) as usize);
@@ -92,7 +97,7 @@ fn the_document_is_as_the_extensions_want() {
 fn nothing_is_a_scene_without_a_mesh() {
     let mut mesh = hill(2, 1, [0; 3]);
     mesh.places.iter_mut().for_each(|p| *p = [3, 3, 3]);
-    let file = encode_glb(&mesh, GlbPacking::Meshopt, &MeshMeta::default(), 0.5);
+    let file = encode_glb(&mesh, GlbPacking::Meshopt, &MeshMeta::default(), &CLAIM);
     let length = u32::from_le_bytes(file[12..16].try_into().unwrap()) as usize;
     let document: Value = serde_json::from_slice(&file[20..20 + length]).unwrap();
     assert!(document.get("meshes").is_none() && document.get("buffers").is_none());

@@ -3,9 +3,9 @@
 //! Input moves a goal; the camera follows it exponentially in time, so that the way it takes does not depend on how many
 //! frames it is cut into.
 
-use super::ground::Ground;
+use super::Ground;
 use glam::DVec3;
-use yamanami::core::View;
+use yamanami_core::View;
 
 /// Share of the way to the goal taken in a second: 1 - e^-RATE.
 const RATE_PER_S: f64 = 14.0;
@@ -22,7 +22,7 @@ const FAST: f64 = 4.0;
 
 /// Around what the camera turns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Mode {
+pub enum Mode {
     /// Around a point of the land.
     Orbit,
     /// Around itself.
@@ -44,24 +44,24 @@ struct Pose {
 
 /// What the keys ask for: each from -1 to 1.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(super) struct Drive {
+pub struct Drive {
     /// Forward, to the right, up.
-    pub(super) along: [f64; 3],
+    pub along: [f64; 3],
     /// Faster.
-    pub(super) fast: bool,
+    pub fast: bool,
 }
 
 /// A camera on its way to where it was steered.
 #[derive(Debug, Clone)]
-pub(super) struct Rig {
+pub struct Rig {
     home: View,
     now: Pose,
     goal: Pose,
     mode: Mode,
     /// Vertical field of view.
-    pub(super) fov_y_rad: f64,
+    pub fov_y_rad: f64,
     /// Factor on the pace of flight, by the wheel.
-    pub(super) pace: f64,
+    pub pace: f64,
 }
 
 impl Pose {
@@ -101,22 +101,23 @@ impl Pose {
 
 impl Rig {
     /// A camera at rest, orbiting.
-    pub(super) fn new(home: View) -> Self {
+    pub fn new(home: View) -> Self {
         let pose = Pose::of(&home);
         Self { home, now: pose, goal: pose, mode: Mode::Orbit, fov_y_rad: home.fov_y_rad, pace: 1.0 }
     }
 
-    pub(super) fn mode(&self) -> Mode {
+    /// What it turns about.
+    pub fn mode(&self) -> Mode {
         self.mode
     }
 
     /// Whether the camera has not come to rest.
-    pub(super) fn is_moving(&self) -> bool {
+    pub fn is_moving(&self) -> bool {
         self.now != self.goal
     }
 
     /// Flies back to where it started.
-    pub(super) fn reset(&mut self) {
+    pub fn reset(&mut self) {
         self.set_mode(Mode::Orbit, None);
         let mut goal = Pose::of(&self.home);
         goal.heading_rad = nearest_turn(goal.heading_rad, self.now.heading_rad);
@@ -126,7 +127,7 @@ impl Rig {
     }
 
     /// Places the camera at a view, at once.
-    pub(super) fn jump_to(&mut self, view: &View) {
+    pub fn jump_to(&mut self, view: &View) {
         let mut pose = Pose::of(view);
         if self.mode == Mode::Fly {
             pose = pose.with_reach(FLIGHT_REACH_M);
@@ -136,7 +137,7 @@ impl Rig {
 
     /// Changes between orbit and flight without moving the eye; an orbit turns about `ahead`, the land in the middle of the
     /// picture.
-    pub(super) fn set_mode(&mut self, mode: Mode, ahead: Option<DVec3>) {
+    pub fn set_mode(&mut self, mode: Mode, ahead: Option<DVec3>) {
         if self.mode == mode {
             return;
         }
@@ -150,20 +151,14 @@ impl Rig {
     }
 
     /// Turns by a drag in pixels.
-    pub(super) fn turn(&mut self, drag_px: [f64; 2]) {
+    pub fn turn(&mut self, drag_px: [f64; 2]) {
         self.goal.heading_rad += drag_px[0] * TURN_RAD_PER_PX;
         let pitch_rad = self.goal.pitch_rad - drag_px[1] * TURN_RAD_PER_PX;
         self.goal.pitch_rad = pitch_rad.clamp(-STEEPEST_RAD, STEEPEST_RAD);
     }
 
     /// Moves along the land by a drag in pixels, as if `grabbed`, a point of the land, were held.
-    pub(super) fn pan(
-        &mut self,
-        drag_px: [f64; 2],
-        grabbed: Option<DVec3>,
-        viewport_px: [u32; 2],
-        ground: &Ground<'_>,
-    ) {
+    pub fn pan(&mut self, drag_px: [f64; 2], grabbed: Option<DVec3>, viewport_px: [u32; 2], ground: &Ground<'_>) {
         let distance_m = match (grabbed, self.mode) {
             (Some(p), _) => (p - self.now.eye()).length(),
             (None, Mode::Orbit) => self.goal.reach_m,
@@ -177,7 +172,7 @@ impl Rig {
     }
 
     /// Comes nearer by a factor below 1, or goes away, about a point of the land; in flight the pace changes instead.
-    pub(super) fn zoom(&mut self, factor: f64, about: Option<DVec3>, ground: &Ground<'_>) {
+    pub fn zoom(&mut self, factor: f64, about: Option<DVec3>, ground: &Ground<'_>) {
         if self.mode == Mode::Fly {
             self.pace = (self.pace / factor).clamp(0.05, 50.0);
             return;
@@ -191,7 +186,7 @@ impl Rig {
     }
 
     /// Moves by the keys for `dt_s` seconds.
-    pub(super) fn drive(&mut self, drive: Drive, dt_s: f64, ground: &Ground<'_>) {
+    pub fn drive(&mut self, drive: Drive, dt_s: f64, ground: &Ground<'_>) {
         let [ahead, aside, up] = drive.along;
         let fast = if drive.fast { FAST } else { 1.0 };
         match self.mode {
@@ -209,7 +204,7 @@ impl Rig {
     }
 
     /// Goes `dt_s` seconds on towards the goal, over the land.
-    pub(super) fn step(&mut self, dt_s: f64, ground: &Ground<'_>) {
+    pub fn step(&mut self, dt_s: f64, ground: &Ground<'_>) {
         let rest = (-RATE_PER_S * dt_s.max(0.0)).exp();
         let (now, goal) = (self.now, self.goal);
         let mix = |now: f64, goal: f64| goal + (now - goal) * rest;
@@ -232,12 +227,12 @@ impl Rig {
     }
 
     /// What the camera sees now.
-    pub(super) fn view(&self, viewport_px: [u32; 2]) -> View {
+    pub fn view(&self, viewport_px: [u32; 2]) -> View {
         View { eye: self.now.eye(), target: self.now.pivot, fov_y_rad: self.fov_y_rad, viewport_px }
     }
 
     /// Height of the eye above the land, metres.
-    pub(super) fn height_above_m(&self, ground: &Ground<'_>) -> f64 {
+    pub fn height_above_m(&self, ground: &Ground<'_>) -> f64 {
         ground.height_above_m(self.now.eye())
     }
 
@@ -284,7 +279,7 @@ fn nearest_turn(heading_rad: f64, from_rad: f64) -> f64 {
     heading_rad + ((from_rad - heading_rad) / std::f64::consts::TAU).round() * std::f64::consts::TAU
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "files"))]
 mod tests {
     use super::super::ground::tests::slope;
     use super::*;

@@ -1,7 +1,7 @@
 //! How a deformed map lies in the picture: which place is its centre, how large it is, what points up.
 
 use glam::DVec2;
-use yamanami::core::{DeformedMap, MapView};
+use yamanami_core::{DeformedMap, MapView};
 
 /// Room around a map that is fitted to the picture, pixels of a picture 1000 pixels high.
 const MARGIN_PX: f64 = 28.0;
@@ -11,11 +11,11 @@ const WIDEST_RING: f64 = 40.0;
 
 /// The pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Pose {
+pub struct Pose {
     /// The map's centre in the plane of the ground, metres.
-    pub(super) centre: DVec2,
+    pub centre: DVec2,
     /// Azimuth that points up, radians clockwise from north.
-    pub(super) up_azimuth_rad: f64,
+    pub up_azimuth_rad: f64,
     /// Size and place set by hand; else the map is fitted to the picture.
     held: Option<Held>,
 }
@@ -30,22 +30,22 @@ struct Held {
 
 impl Pose {
     /// Around the plane's origin, fitted to the picture.
-    pub(super) fn new(up_azimuth_rad: f64) -> Self {
+    pub fn new(up_azimuth_rad: f64) -> Self {
         Self { centre: DVec2::ZERO, up_azimuth_rad, held: None }
     }
 
     /// Whether the map is fitted to the picture.
-    pub(super) fn is_fitted(&self) -> bool {
+    pub fn is_fitted(&self) -> bool {
         self.held.is_none()
     }
 
     /// Fits the map to the picture, or keeps it as large as it is.
-    pub(super) fn fit(&mut self, is_fitted: bool, view: &MapView) {
+    pub fn fit(&mut self, is_fitted: bool, view: &MapView) {
         self.held = (!is_fitted).then(|| Held::of(view));
     }
 
     /// What a picture of this size shows of a map, all of it to the rim and up to `top_m` where it is fitted.
-    pub(super) fn view(&self, map: DeformedMap, size_px: [u32; 2], rim_m: f64, top_m: f64) -> MapView {
+    pub fn view(&self, map: DeformedMap, size_px: [u32; 2], rim_m: f64, top_m: f64) -> MapView {
         let margin_px = MARGIN_PX * f64::from(size_px[0].min(size_px[1])) / 1000.0;
         let mut view = MapView::fitted(map, size_px, rim_m, top_m, margin_px);
         view.up_azimuth_rad = self.up_azimuth_rad;
@@ -57,13 +57,13 @@ impl Pose {
     }
 
     /// Drags the plain map along by so many pixels.
-    pub(super) fn drag(&mut self, view: &MapView, by_px: DVec2) {
+    pub fn drag(&mut self, view: &MapView, by_px: DVec2) {
         let moved = view.image_from_px(view.centre_px + by_px);
         self.centre -= view.map.ring_m * moved;
     }
 
     /// Makes the picture larger by a factor, and keeps what lies at a place of it.
-    pub(super) fn zoom(&mut self, view: &MapView, factor: f64, at_px: DVec2) {
+    pub fn zoom(&mut self, view: &MapView, factor: f64, at_px: DVec2) {
         let widest_px = WIDEST_RING * f64::from(view.size_px[0].max(view.size_px[1]));
         let ring_px = (view.ring_px * factor).clamp(LEAST_RING_PX, widest_px);
         let mut held = Held::of(view);
@@ -73,7 +73,7 @@ impl Pose {
     }
 
     /// Turns the picture about its centre with a cursor that moved from one place to another.
-    pub(super) fn turn(&mut self, view: &MapView, from_px: DVec2, to_px: DVec2) {
+    pub fn turn(&mut self, view: &MapView, from_px: DVec2, to_px: DVec2) {
         let (from, to) = (from_px - view.centre_px, to_px - view.centre_px);
         if from.length() > 1.0 && to.length() > 1.0 {
             self.turn_by(-from.angle_to(to));
@@ -81,7 +81,7 @@ impl Pose {
     }
 
     /// Turns the picture counterclockwise.
-    pub(super) fn turn_by(&mut self, angle_rad: f64) {
+    pub fn turn_by(&mut self, angle_rad: f64) {
         self.up_azimuth_rad = (self.up_azimuth_rad + angle_rad).rem_euclid(std::f64::consts::TAU);
     }
 }

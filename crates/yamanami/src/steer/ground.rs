@@ -1,9 +1,9 @@
 //! Where the land is, for the camera: heights from what is in memory, and the point under the cursor. A model has no land.
 
+use crate::{Subject, Terrain};
 use glam::{DVec2, DVec3};
-use yamanami::core::{Aabb, LatticeNode, View};
-use yamanami::multires::wavelet::TerrainData;
-use yamanami::{Subject, Terrain};
+use yamanami_core::{Aabb, LatticeNode, View};
+use yamanami_multires::wavelet::TerrainData;
 
 /// Steps of a ray through the terrain's box before the crossing is narrowed down.
 const RAY_STEPS: usize = 384;
@@ -11,17 +11,23 @@ const RAY_STEPS: usize = 384;
 const HALVINGS: usize = 24;
 
 /// The land as a height over the plane; around a model it is infinitely far down.
-pub(super) struct Ground<'a> {
+pub struct Ground<'a> {
     height_m: Box<dyn Fn(DVec2) -> f64 + 'a>,
     /// The box of the whole, metres.
-    pub(super) bounds: Aabb,
+    pub bounds: Aabb,
     /// The eye keeps this far above the land, metres.
-    pub(super) clearance_m: f64,
+    pub clearance_m: f64,
+}
+
+impl std::fmt::Debug for Ground<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Ground").field("bounds", &self.bounds).field("clearance_m", &self.clearance_m).finish()
+    }
 }
 
 impl<'a> Ground<'a> {
     /// The land of a terrain, as fine as its data are in memory at each place; or none.
-    pub(super) fn of(subject: &'a impl Subject) -> Self {
+    pub fn of(subject: &'a impl Subject) -> Self {
         let bounds = subject.bounds();
         let Some(terrain) = subject.as_terrain() else {
             let clearance_m = 1e-3 * bounds.diagonal();
@@ -36,29 +42,29 @@ impl<'a> Ground<'a> {
     }
 
     /// Height of a place above the land; where there is none, the distance from the middle of the model.
-    pub(super) fn height_above_m(&self, place: DVec3) -> f64 {
+    pub fn height_above_m(&self, place: DVec3) -> f64 {
         let land_m = self.height_m(place.truncate());
         if land_m.is_finite() { (place.z - land_m).max(0.0) } else { place.distance(self.bounds.centre()) }
     }
 
     /// Height of the land at a place, metres; beyond the border that of the border.
-    pub(super) fn height_m(&self, place: DVec2) -> f64 {
+    pub fn height_m(&self, place: DVec2) -> f64 {
         (self.height_m)(place)
     }
 
     /// Length of the diagonal of the terrain's box, metres.
-    pub(super) fn diagonal_m(&self) -> f64 {
+    pub fn diagonal_m(&self) -> f64 {
         self.bounds.diagonal()
     }
 
     /// Whether a place lies over the land.
-    pub(super) fn holds(&self, place: DVec2) -> bool {
+    pub fn holds(&self, place: DVec2) -> bool {
         let (min, max) = (self.bounds.min.truncate(), self.bounds.max.truncate());
         place.cmpge(min).all() && place.cmple(max).all() && self.height_m(place).is_finite()
     }
 
     /// The first point of the land on a ray, if it meets any.
-    pub(super) fn hit(&self, eye: DVec3, direction: DVec3) -> Option<DVec3> {
+    pub fn hit(&self, eye: DVec3, direction: DVec3) -> Option<DVec3> {
         let (min, max) = (self.bounds.min - DVec3::Z, self.bounds.max + DVec3::Z);
         let (mut near, mut far) = (0.0f64, f64::INFINITY);
         for axis in 0..3 {
@@ -97,7 +103,7 @@ impl<'a> Ground<'a> {
 }
 
 /// Direction from the eye through a point of the picture, given in pixels from its upper left corner.
-pub(super) fn ray_through(view: &View, pixel: [f64; 2]) -> DVec3 {
+pub fn ray_through(view: &View, pixel: [f64; 2]) -> DVec3 {
     let forward = view.forward();
     let right = forward.cross(view.up()).normalize();
     let up = right.cross(forward);
@@ -131,12 +137,12 @@ fn finest_height_m(terrain: &Terrain, place: DVec2) -> f64 {
     f64::from(terrain.range_m()[0])
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "files"))]
 pub(super) mod tests {
     use super::*;
 
     /// A slope of 1 in 10 rising northwards, 2 km by 1 km.
-    pub(in super::super) fn slope() -> Ground<'static> {
+    pub(in crate::steer) fn slope() -> Ground<'static> {
         Ground {
             height_m: Box::new(|p| 100.0 + 0.1 * (p.y.clamp(-1000.0, 0.0) + 1000.0)),
             bounds: Aabb { min: DVec3::new(0.0, -1000.0, 100.0), max: DVec3::new(2000.0, 0.0, 200.0) },
@@ -157,8 +163,8 @@ pub(super) mod tests {
     fn around_a_model_there_is_no_land() {
         let corners = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z].map(|p| p * 0.01).to_vec();
         let sides = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
-        let mesh = yamanami::core::TriangleMesh::new(corners, sides);
-        let build = yamanami::ModelBuild::of_mesh(&mesh, String::new(), &|_| ()).unwrap();
+        let mesh = yamanami_core::TriangleMesh::new(corners, sides);
+        let build = crate::ModelBuild::of_mesh(&mesh, String::new(), &|_| ()).unwrap();
         let model = build.into_model().unwrap();
         let ground = Ground::of(&model);
         let eye = DVec3::new(0.002, 0.002, 0.05);
