@@ -102,6 +102,7 @@ fn make(
         made.bytes = std::fs::metadata(output.part().join(&path)).map_or(0, |meta| meta.len());
         return Ok(Some(made));
     }
+    let normals = if job.options.normals { cutter.normals(tile, &piece)? } else { Vec::new() };
     let bytes = pack(&encode(&MeshTile {
         rectangle_deg: tile_rectangle_deg(tile.zoom, x, y),
         places: &piece.places,
@@ -109,7 +110,7 @@ fn make(
         quantum_m: piece.quantum_m,
         triangles: &piece.triangles,
         sides: &piece.sides,
-        normals: if job.options.normals { &piece.normals } else { &[] },
+        normals: &normals,
         error_m: Some(piece.error_m),
     }))?;
     made.bytes = bytes.len() as u64;
