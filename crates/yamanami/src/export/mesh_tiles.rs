@@ -64,7 +64,7 @@ impl MeshTiles {
             for tile in is_beyond.then_some(beyond).into_iter().chain([Tile { zoom, x, y }]) {
                 let piece = cutter.cut(tile, &mut CutScratch::default())?;
                 if !piece.is_empty() {
-                    made = Some(bytes_of(&piece, tile, self.options.normals)?);
+                    made = Some(bytes_of(&cutter, &piece, tile, self.options.normals)?);
                     break;
                 }
             }

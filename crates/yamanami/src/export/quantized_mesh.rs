@@ -76,7 +76,13 @@ pub(super) fn tiles_of(cutter: &TerrainTiles<'_>, geodetic: &Geodetic, zoom: u32
 }
 
 /// A tile's file, packed.
-pub(super) fn bytes_of(piece: &TilePiece, tile: Tile, with_normals: bool) -> Result<Vec<u8>, Error> {
+pub(super) fn bytes_of(
+    cutter: &TerrainTiles<'_>,
+    piece: &TilePiece,
+    tile: Tile,
+    with_normals: bool,
+) -> Result<Vec<u8>, Error> {
+    let normals = if with_normals { cutter.normals(tile, piece)? } else { Vec::new() };
     let [x, y] = Geodetic::wrapped(tile);
     Ok(pack(&encode(&MeshTile {
         rectangle_deg: tile_rectangle_deg(tile.zoom, x, y),
@@ -85,7 +91,7 @@ pub(super) fn bytes_of(piece: &TilePiece, tile: Tile, with_normals: bool) -> Res
         quantum_m: piece.quantum_m,
         triangles: &piece.triangles,
         sides: &piece.sides,
-        normals: if with_normals { &piece.normals } else { &[] },
+        normals: &normals,
         error_m: Some(piece.error_m),
     }))?)
 }
@@ -118,7 +124,7 @@ fn make(
         made.bytes = std::fs::metadata(output.part().join(&path)).map_or(0, |meta| meta.len());
         return Ok(Some(made));
     }
-    let bytes = bytes_of(&piece, tile, job.options.normals)?;
+    let bytes = bytes_of(cutter, &piece, tile, job.options.normals)?;
     made.bytes = bytes.len() as u64;
     output.put(&path, &bytes)?;
     Ok(Some(made))
