@@ -246,7 +246,7 @@ impl Cells {
         let size = (bounds.max - bounds.min) / step_m;
         // roundness of the Earth and places between those looked at
         let room = 1.02 * size + DVec3::splat(2.0 + if is_ground { 0.01 * size.max_element() } else { 0.0 });
-        let whole = |steps: f64| (steps as i64 >> MOST_LEVELS).max(0) + 1 << MOST_LEVELS;
+        let whole = |steps: f64| ((steps as i64 >> MOST_LEVELS).max(0) + 1) << MOST_LEVELS;
         let (subdivision, wanted) = match is_ground {
             true => (Subdivision::Quadtree, DVec3::new(room.x.max(room.y), room.x.max(room.y), room.z)),
             false => (Subdivision::Octree, DVec3::splat(room.max_element())),

@@ -504,7 +504,7 @@ impl<D: TerrainData> Job<'_, '_, D> {
             return;
         }
         let parts = self.ground.plan.fill_parts(self.tile.zoom);
-        let between: Vec<u16> = (1..1u32 << parts).map(|k| (k * GRID >> parts) as u16).collect();
+        let between: Vec<u16> = (1..1u32 << parts).map(|k| ((k * GRID) >> parts) as u16).collect();
         // on the sides, what the neighbours have, too
         let mut wanted: Vec<(usize, u16)> = Vec::new();
         for side in 0..4 {

@@ -1,3 +1,5 @@
+//! What is written comes back, whatever the packing; and the document is as the extensions want it.
+
 use super::*;
 use crate::mesh_file::read_mesh_from_bytes;
 
