@@ -181,6 +181,11 @@ pub(crate) fn run(args: &ExportArgs) -> Result<(), Failure> {
         tile_px: args.tile_px,
         check: args.check,
     };
+    match args.to {
+        KindName::Glb => inputs::check_output(&args.output, &["glb"], &args.source.sources)?,
+        KindName::Tiles3tz => inputs::check_output(&args.output, &["3tz"], &args.source.sources)?,
+        _ => {}
+    }
     let mut opened = inputs::subject(&args.source)?;
     let subject = match &mut opened {
         Opened::Terrain(terrain) => ExportSubject::Terrain(terrain),
