@@ -9,7 +9,7 @@ use yamanami_measure::tiles::SeamGap;
 use yamanami_measure::tiles::earth::geodetic;
 
 /// Of the smaller tile, how far apart borders may be to be held for one.
-const REACH: f64 = 0.005;
+const REACH: f64 = 0.02;
 
 /// Two tiles that touch, the coarser first.
 struct Pair {
