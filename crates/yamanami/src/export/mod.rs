@@ -82,8 +82,6 @@ pub struct ExportOptions {
     pub tile_encoding: TileEncoding,
     /// Pixels along a side of terrain-rgb tiles.
     pub tile_px: u32,
-    /// Whether every sample is measured against what was written; slow.
-    pub check: bool,
 }
 
 impl Default for ExportOptions {
@@ -99,7 +97,6 @@ impl Default for ExportOptions {
             budget_triangles: None,
             tile_encoding: TileEncoding::TerrainRgb,
             tile_px: 256,
-            check: false,
         }
     }
 }

@@ -7,12 +7,12 @@ use crate::progress::{Bar, note};
 use crate::{out, text, values};
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 use yamanami::io::dem::TileEncoding;
 use yamanami::{
     ExportJob, ExportKind, ExportOptions, ExportReport, ExportSubject, Fill, GeoidChoice, GlbPacking, HeightKind,
-    ZoomReport, export,
+    ValidateOptions, ZoomReport, export, validate,
 };
 
 /// Write tiles for other viewers: 3D Tiles, quantized-mesh, terrain-rgb, glb, or a web site
@@ -179,8 +179,8 @@ pub(crate) fn run(args: &ExportArgs) -> Result<(), Failure> {
         budget_triangles: args.budget,
         tile_encoding: args.encoding,
         tile_px: args.tile_px,
-        check: args.check,
     };
+    let check = if args.check { Some(check_options(args)?) } else { None };
     match args.to {
         KindName::Glb => inputs::check_output(&args.output, &["glb"], &args.source.sources)?,
         KindName::Tiles3tz => inputs::check_output(&args.output, &["3tz"], &args.source.sources)?,
@@ -198,7 +198,7 @@ pub(crate) fn run(args: &ExportArgs) -> Result<(), Failure> {
         }
     };
     let started = Instant::now();
-    let report = {
+    let mut report = {
         let bar = Bar::shares("exporting");
         let progress = |share| bar.set_share(share);
         let job =
@@ -206,6 +206,9 @@ pub(crate) fn run(args: &ExportArgs) -> Result<(), Failure> {
         export(kind, subject, &job)?
     };
     let seconds = started.elapsed().as_secs_f64();
+    if let Some(check) = &check {
+        measure(&mut report, &args.output, check)?;
+    }
     report.notes.iter().for_each(|line| note(&format!("note: {line}")));
     if args.json {
         out::json(&to_json(args, &report, seconds))?
@@ -213,6 +216,37 @@ pub(crate) fn run(args: &ExportArgs) -> Result<(), Failure> {
         print(args, &report, seconds)?
     }
     verdict(&report)
+}
+
+/// What tiles are held against; only those of elevation files can be.
+fn check_options(args: &ExportArgs) -> Result<ValidateOptions, Failure> {
+    if !matches!(args.to, KindName::QuantizedMesh | KindName::Tiles3d | KindName::Tiles3tz) {
+        return Err(Failure::misuse("--check: expected quantized-mesh, 3dtiles or 3tz of elevation files"));
+    }
+    let is_database = |path: &PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("yama"));
+    if args.source.sources.iter().any(is_database) || (args.heights.is_some() && args.geoid_offset_m.is_none()) {
+        return Err(Failure::misuse(
+            "--check: expected elevation files, and heights as they are or with --geoid-offset-m; `yamanami validate --source` knows more",
+        ));
+    }
+    let mut options = ValidateOptions::default();
+    options.source = args.source.sources.clone();
+    options.dem = args.source.reading.options().dem;
+    options.source_offset_m = args.geoid_offset_m.unwrap_or(0.0);
+    Ok(options)
+}
+
+/// Measures every sample of the source against what was written.
+fn measure(report: &mut ExportReport, output: &Path, options: &ValidateOptions) -> Result<(), Failure> {
+    let bar = Bar::shares("checking");
+    let found = validate(output, options, &|job, share| {
+        bar.set_job(job);
+        bar.set_share(share);
+    })?;
+    for zoom in &mut report.zooms {
+        zoom.measured_m = found.errors.iter().find(|row| row.level == zoom.zoom).map(|row| row.source_m[0]);
+    }
+    Ok(())
 }
 
 /// A check that finds a broken promise is a failure.
