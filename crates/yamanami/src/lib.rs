@@ -108,7 +108,7 @@ pub use error::Error;
 #[cfg(feature = "files")]
 pub use export::{
     ExportJob, ExportKind, ExportOptions, ExportReport, ExportSubject, Fill, GeoidChoice, GlbPacking, HeightKind,
-    ZoomReport, export,
+    MeshTiles, ZoomReport, export,
 };
 #[cfg(feature = "files")]
 pub use extract::{Extracted, Frame, extract, to_frame};

@@ -113,7 +113,10 @@ fn coarse_pixels_are_means_whatever_lies_between_samples() {
         }
         assert!(count > 0 && (sum / count as f32 - 50.0).abs() < 2.0, "{}", sum / count as f32);
     }
-    assert!(report.zooms.iter().all(|z| z.tiles > 0));
+    assert_eq!(report.zooms.last().unwrap().zoom, tiles.full_zoom());
+    let facts: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(folder.path().join("tiles.json")).unwrap()).unwrap();
+    assert_eq!(facts["minzoom"], report.zooms[0].zoom);
 }
 
 #[test]

@@ -8,7 +8,7 @@ use crate::pages::{self, Language};
 use crate::reply::{self, AN_HOUR, ASK_AGAIN, Content, Finished, Reply};
 use crate::surface::{Served, Surfaces};
 use crate::tiles::{self, Tile};
-use crate::viewer::Viewer;
+use crate::viewer::{self, Viewer};
 use crate::work::Work;
 use crate::{pack, picture};
 use axum::Router;
@@ -59,6 +59,8 @@ pub(crate) fn router(app: Arc<App>) -> Router {
         .route("/s/{name}/profile", get(profile))
         .route("/s/{name}/terrain-rgb/tilejson.json", get(tilejson))
         .route("/s/{name}/terrain-rgb/{z}/{x}/{y}", get(terrain_rgb))
+        .route("/s/{name}/quantized-mesh/layer.json", get(layer_json))
+        .route("/s/{name}/quantized-mesh/{z}/{x}/{y}", get(quantized_mesh))
         .fallback(|| async { Fault::not_found("nothing is here") })
         .layer(from_fn_with_state(app.clone(), guard))
         .with_state(app)
@@ -255,14 +257,41 @@ async fn terrain_rgb(
 ) -> Answer {
     let part = |key: &str| place.get(key).map(String::as_str).unwrap_or_default();
     let served = app.surfaces.get(part("name"))?.clone();
-    let tile = tiles::parse(part("z"), part("x"), part("y"), ".png")?;
+    served.check()?;
+    let tile = tiles::parse(1, part("z"), part("x"), part("y"), ".png")?;
     let encoding = tiles::encoding(query.encoding.as_deref())?;
     let key = (served.name.clone(), encoding.name(), tile);
-    app.tile(key, "image/png", &headers, move || {
+    let made = app.tile(key, move || tiles::height_png(&served, tile, encoding));
+    Ok(Content::new("image/png", made.await?, AN_HOUR).reply(&headers))
+}
+
+async fn layer_json(State(app): Shared, Path(name): Path<String>, headers: HeaderMap) -> Answer {
+    let served = app.surfaces.get(&name)?.clone();
+    let text = app.work.run(move || {
         served.check()?;
-        tiles::height_png(&served, tile, encoding)
-    })
-    .await
+        Ok(served.meshes()?.layer_json())
+    });
+    Ok(Content::new("application/json", text.await?, ASK_AGAIN).reply(&headers))
+}
+
+async fn quantized_mesh(State(app): Shared, Path(place): Path<HashMap<String, String>>, headers: HeaderMap) -> Answer {
+    let part = |key: &str| place.get(key).map(String::as_str).unwrap_or_default();
+    let served = app.surfaces.get(part("name"))?.clone();
+    served.check()?;
+    let tile = tiles::parse(2, part("z"), part("x"), part("y"), ".terrain")?;
+    let key = (served.name.clone(), "quantized-mesh", tile);
+    let packed = app.tile(key, move || tiles::mesh(&served, tile));
+    let packed = packed.await?;
+    let kind = "application/vnd.quantized-mesh";
+    let mut reply;
+    if viewer::accepts(reply::text(&headers, header::ACCEPT_ENCODING).unwrap_or_default(), "gzip") {
+        reply = Content::new(kind, packed, AN_HOUR).reply(&headers);
+        reply::put(&mut reply, header::CONTENT_ENCODING, "gzip");
+    } else {
+        reply = Content::new(kind, tiles::unpacked(&packed)?, AN_HOUR).reply(&headers);
+    }
+    reply::put(&mut reply, header::VARY, "accept-encoding");
+    Ok(reply)
 }
 
 impl App {
@@ -270,19 +299,14 @@ impl App {
     async fn tile(
         &self,
         key: TileKey,
-        kind: &'static str,
-        headers: &HeaderMap,
         make: impl FnOnce() -> Result<Vec<u8>, Fault> + Send + 'static,
-    ) -> Answer {
-        let bytes = match self.tiles.get(&key) {
-            Some(bytes) => bytes,
-            None => {
-                let made = bytes::Bytes::from(self.work.run(make).await?);
-                self.tiles.put(key, made.clone());
-                made
-            }
-        };
-        Ok(Content::new(kind, bytes, AN_HOUR).reply(headers))
+    ) -> Result<bytes::Bytes, Fault> {
+        if let Some(bytes) = self.tiles.get(&key) {
+            return Ok(bytes);
+        }
+        let made = bytes::Bytes::from(self.work.run(make).await?);
+        self.tiles.put(key, made.clone());
+        Ok(made)
     }
 
     /// Scheme and host as the asker knows them.

@@ -6,12 +6,12 @@ use crate::reply::Content;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use std::time::SystemTime;
 use tokio::sync::OnceCell;
 use yamanami::io::pack::PackSource;
 use yamanami::io::pack::layout::PackKind;
-use yamanami::{HeightTiles, SurfaceHeights};
+use yamanami::{ExportOptions, HeightTiles, MeshTiles, SurfaceHeights};
 
 /// Side of map tiles, pixels.
 pub(crate) const TILE_PX: u32 = 256;
@@ -27,6 +27,8 @@ pub(crate) struct Served {
     /// Of a terrain.
     pub(crate) ground: Option<SurfaceHeights<'static>>,
     pub(crate) info: Value,
+    /// Of a terrain whose place on the globe is known, once it was asked for.
+    pub(crate) meshes: OnceLock<Result<MeshTiles, Fault>>,
     pub(crate) picture: OnceCell<Content>,
     stamp: Option<Stamp>,
 }
@@ -102,7 +104,18 @@ impl Served {
         let ground = if kind == PackKind::Terrain { Some(SurfaceHeights::open(path)?) } else { None };
         let title = if head.title.is_empty() { name.clone() } else { head.title.clone() };
         let info = info(&name, &title, &source, ground.as_ref());
-        Ok(Self { name, title, kind, path: path.to_owned(), source, ground, info, picture: OnceCell::new(), stamp })
+        Ok(Self {
+            name,
+            title,
+            kind,
+            path: path.to_owned(),
+            source,
+            ground,
+            info,
+            meshes: OnceLock::new(),
+            picture: OnceCell::new(),
+            stamp,
+        })
     }
 
     /// That the file is still the one that was opened.
@@ -119,6 +132,13 @@ impl Served {
     pub(crate) fn tiles(&self) -> Result<HeightTiles<'_>, Fault> {
         HeightTiles::new(self.ground()?, TILE_PX)
             .map_err(|_| Fault::not_found(format!("{}: longitudes and latitudes are not known for its CRS", self.name)))
+    }
+
+    /// The terrain as quantized-mesh tiles.
+    pub(crate) fn meshes(&self) -> Result<&MeshTiles, Fault> {
+        self.tiles()?;
+        let open = || MeshTiles::open(self.path.clone(), ExportOptions::default()).map_err(|e| self.unreadable(e));
+        self.meshes.get_or_init(open).as_ref().map_err(Clone::clone)
     }
 
     /// A fault of reading it.
@@ -151,6 +171,7 @@ fn info(name: &str, title: &str, source: &PackSource, ground: Option<&SurfaceHei
         info["profile"] = format!("/s/{name}/profile").into();
         if let Ok(tiles) = HeightTiles::new(ground, TILE_PX) {
             info["bounds_deg"] = json!(tiles.bounds_deg());
+            info["layer_json"] = format!("/s/{name}/quantized-mesh/layer.json").into();
             info["tilejson"] = format!("/s/{name}/terrain-rgb/tilejson.json").into();
         }
     }

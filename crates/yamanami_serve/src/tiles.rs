@@ -3,6 +3,7 @@
 use crate::fault::Fault;
 use crate::surface::{Served, TILE_PX};
 use serde_json::{Value, json};
+use std::io::Read;
 use yamanami::MOST_ZOOM;
 use yamanami::io::dem::TileEncoding;
 use yamanami::io::tiles::encode_height_png;
@@ -10,12 +11,12 @@ use yamanami::io::tiles::encode_height_png;
 /// A tile by zoom, column, row.
 pub(crate) type Tile = [u32; 3];
 
-/// The tile of a path's last parts, the row with its ending.
-pub(crate) fn parse(zoom: &str, x: &str, y: &str, ending: &str) -> Result<Tile, Fault> {
+/// The tile of a path's last parts, the row with its ending. Columns are as many times 2^zoom as there are root tiles.
+pub(crate) fn parse(roots: u32, zoom: &str, x: &str, y: &str, ending: &str) -> Result<Tile, Fault> {
     let number = |text: &str| text.parse::<u32>().ok().filter(|_| text.bytes().all(|b| b.is_ascii_digit()));
     let tile = number(zoom).zip(number(x)).zip(y.strip_suffix(ending).and_then(number));
     let tile = tile.map(|((zoom, x), y)| [zoom, x, y]);
-    tile.filter(|&[zoom, x, y]| zoom <= MOST_ZOOM && x < 1 << zoom && y < 1 << zoom)
+    tile.filter(|&[zoom, x, y]| zoom <= MOST_ZOOM && x < roots << zoom && y < 1 << zoom)
         .ok_or_else(|| Fault::not_found("there is no such tile"))
 }
 
@@ -34,6 +35,19 @@ pub(crate) fn height_png(served: &Served, [zoom, x, y]: Tile, encoding: TileEnco
     let found = served.tiles()?.heights_m(zoom, x, y).map_err(|e| served.unreadable(e))?;
     let heights_m = found.ok_or_else(|| Fault::not_found("there is no ground in this tile"))?;
     Ok(encode_height_png(encoding, &heights_m, TILE_PX))
+}
+
+/// A quantized-mesh tile, packed with gzip; rows count from the south.
+pub(crate) fn mesh(served: &Served, [zoom, x, y]: Tile) -> Result<Vec<u8>, Fault> {
+    let made = served.meshes()?.tile(zoom, x, y).map_err(|e| served.unreadable(e))?;
+    made.ok_or_else(|| Fault::not_found("there is no such tile"))
+}
+
+/// A tile that was packed, for who takes nothing packed.
+pub(crate) fn unpacked(bytes: &[u8]) -> Result<Vec<u8>, Fault> {
+    let mut plain = Vec::new();
+    flate2::read::GzDecoder::new(bytes).read_to_end(&mut plain).map_err(|_| Fault::internal())?;
+    Ok(plain)
 }
 
 /// TileJSON 3.0 with absolute addresses; `base` is scheme and host.
@@ -64,7 +78,7 @@ mod tests {
 
     #[test]
     fn tiles_that_cannot_be_are_not_found() {
-        assert_eq!(parse("3", "7", "0.png", ".png"), Ok([3, 7, 0]));
+        assert_eq!(parse(1, "3", "7", "0.png", ".png"), Ok([3, 7, 0]));
         for (zoom, x, y) in [
             ("3", "8", "0.png"),
             ("3", "7", "0"),
@@ -73,7 +87,7 @@ mod tests {
             ("+3", "0", "0.png"),
             ("3", "", "0.png"),
         ] {
-            assert!(parse(zoom, x, y, ".png").is_err(), "{zoom}/{x}/{y}");
+            assert!(parse(1, zoom, x, y, ".png").is_err(), "{zoom}/{x}/{y}");
         }
     }
 }

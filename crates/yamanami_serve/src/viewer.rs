@@ -127,7 +127,7 @@ impl Viewer {
 }
 
 /// Whether an `Accept-Encoding` names a coding and does not refuse it.
-fn accepts(header: &str, coding: &str) -> bool {
+pub(crate) fn accepts(header: &str, coding: &str) -> bool {
     header.split(',').any(|item| {
         let mut parts = item.split(';').map(str::trim);
         let is_named = parts.next().is_some_and(|name| name.eq_ignore_ascii_case(coding));

@@ -162,6 +162,29 @@ fn tiles_are_the_surface_at_the_middle_of_their_pixels() {
 }
 
 #[test]
+fn meshes_are_cut_as_they_are_asked_for() {
+    let server = Running::start();
+    let layer = server.get("/s/hill-1/quantized-mesh/layer.json").json();
+    assert_eq!(layer["format"], "quantized-mesh-1.0");
+    let zoom = layer["maxzoom"].as_u64().unwrap();
+    let range = &layer["available"][zoom as usize][0];
+    let target = format!("/s/hill-1/quantized-mesh/{zoom}/{}/{}.terrain", range["startX"], range["startY"]);
+    let plain = server.get(&target);
+    assert_eq!((plain.status, plain.header("content-encoding")), (200, None));
+    // centre, heights, sphere, horizon, then the vertices' number
+    let vertices = u32::from_le_bytes(plain.body[88..92].try_into().unwrap());
+    assert!(vertices > 3 && (vertices as usize) * 6 < plain.body.len());
+    let packed = server.ask("GET", &target, &[("Accept-Encoding", "gzip, br")]);
+    assert_eq!((packed.header("content-encoding"), packed.body.starts_with(b"\x1f\x8b")), (Some("gzip"), true));
+    for root in ["0/0/0", "0/1/0"] {
+        assert_eq!(server.get(&format!("/s/hill-1/quantized-mesh/{root}.terrain")).status, 200, "{root}");
+    }
+    for missing in ["0/2/0.terrain", "3/0/0.terrain", "99/0/0.terrain", "0/0/0.png"] {
+        assert_eq!(server.get(&format!("/s/hill-1/quantized-mesh/{missing}")).status, 404, "{missing}");
+    }
+}
+
+#[test]
 fn other_sites_may_read_only_when_told() {
     let closed = Running::start();
     assert_eq!(closed.get("/s/hill-1/info.json").header("access-control-allow-origin"), None);

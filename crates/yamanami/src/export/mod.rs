@@ -2,6 +2,7 @@
 
 mod geodetic;
 mod glb;
+mod mesh_tiles;
 mod model_cells;
 mod model_tiles;
 mod placement;
@@ -16,6 +17,8 @@ mod tileset_files;
 
 pub use placement::{GeoidChoice, HeightKind};
 pub use yamanami_io::tiles::glb::GlbPacking;
+
+pub use mesh_tiles::MeshTiles;
 
 use crate::{Error, Model, Terrain};
 use std::fmt::Write;

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 use yamanami_io::tiles::quantized_mesh::{Layer, MeshTile, encode, pack, tile_path, tile_rectangle_deg};
 use yamanami_io::tiles::{TileFolder, TileOutput};
-use yamanami_multires::tiles::{CutScratch, Tile};
+use yamanami_multires::tiles::{CutScratch, Tile, TilePiece};
 
 pub(super) fn folder(subject: ExportSubject<'_>, job: &ExportJob<'_>) -> Result<ExportReport, Error> {
     let terrain = subject.terrain("quantized-mesh")?;
@@ -18,18 +18,7 @@ pub(super) fn folder(subject: ExportSubject<'_>, job: &ExportJob<'_>) -> Result<
     let [first, last] = geodetic.options.zooms;
     let all: Vec<Vec<Tile>> = {
         let cutter = TerrainTiles::new(terrain, &geodetic.placement, &geodetic.options);
-        (first..=last)
-            .map(|zoom| {
-                let mut tiles = cutter.tiles(zoom);
-                // viewers ask for both roots
-                if zoom == 0 && geodetic.options.fill_m.is_some() {
-                    tiles.extend((0..2).map(|x| Tile { zoom, x, y: 0 }));
-                    tiles.sort_unstable_by_key(|&tile| Geodetic::wrapped(tile));
-                    tiles.dedup_by_key(|tile| Geodetic::wrapped(*tile));
-                }
-                tiles
-            })
-            .collect()
+        (first..=last).map(|zoom| tiles_of(&cutter, &geodetic, zoom)).collect()
     };
     let (total, done) = (all.iter().map(Vec::len).sum::<usize>().max(1) as f32, AtomicU64::new(0));
     let mut layer = Layer {
@@ -74,6 +63,39 @@ pub(super) fn folder(subject: ExportSubject<'_>, job: &ExportJob<'_>) -> Result<
     Ok(report)
 }
 
+/// The tiles of a zoom, row by row.
+pub(super) fn tiles_of(cutter: &TerrainTiles<'_>, geodetic: &Geodetic, zoom: u32) -> Vec<Tile> {
+    let mut tiles = cutter.tiles(zoom);
+    // viewers ask for both roots
+    if zoom == 0 && geodetic.options.fill_m.is_some() {
+        tiles.extend((0..2).map(|x| Tile { zoom, x, y: 0 }));
+        tiles.sort_unstable_by_key(|&tile| Geodetic::wrapped(tile));
+        tiles.dedup_by_key(|tile| Geodetic::wrapped(*tile));
+    }
+    tiles
+}
+
+/// A tile's file, packed.
+pub(super) fn bytes_of(
+    cutter: &TerrainTiles<'_>,
+    piece: &TilePiece,
+    tile: Tile,
+    with_normals: bool,
+) -> Result<Vec<u8>, Error> {
+    let normals = if with_normals { cutter.normals(tile, piece)? } else { Vec::new() };
+    let [x, y] = Geodetic::wrapped(tile);
+    Ok(pack(&encode(&MeshTile {
+        rectangle_deg: tile_rectangle_deg(tile.zoom, x, y),
+        places: &piece.places,
+        heights_m: &piece.heights_m,
+        quantum_m: piece.quantum_m,
+        triangles: &piece.triangles,
+        sides: &piece.sides,
+        normals: &normals,
+        error_m: Some(piece.error_m),
+    }))?)
+}
+
 /// What became of a tile.
 struct Made {
     triangles: u64,
@@ -102,16 +124,7 @@ fn make(
         made.bytes = std::fs::metadata(output.part().join(&path)).map_or(0, |meta| meta.len());
         return Ok(Some(made));
     }
-    let bytes = pack(&encode(&MeshTile {
-        rectangle_deg: tile_rectangle_deg(tile.zoom, x, y),
-        places: &piece.places,
-        heights_m: &piece.heights_m,
-        quantum_m: piece.quantum_m,
-        triangles: &piece.triangles,
-        sides: &piece.sides,
-        normals: if job.options.normals { &piece.normals } else { &[] },
-        error_m: Some(piece.error_m),
-    }))?;
+    let bytes = bytes_of(cutter, &piece, tile, job.options.normals)?;
     made.bytes = bytes.len() as u64;
     output.put(&path, &bytes)?;
     Ok(Some(made))

@@ -2,7 +2,7 @@
 //! not known. Tiles are cut with borders that are the same lines on both sides; there are no skirts.
 
 use super::placement::Placement;
-use super::terrain_tiles::{TILES_AT_ONCE, TerrainTiles, load, trim};
+use super::terrain_tiles::{TILES_AT_ONCE, TerrainTiles, normals, trim};
 use super::tileset_files::{TilePlace, TileRecord, TileTree, box_of, content_path, kept_content};
 use super::{ExportJob, ExportOptions, ExportReport};
 use crate::{Error, Subject, Terrain};
@@ -17,7 +17,6 @@ use yamanami_io::tiles::subtree::{TileBounds, TileFacts};
 use yamanami_io::tiles::tileset::{BoundingVolume, Subdivision};
 use yamanami_io::tiles::{TileFolder, TileOutput};
 use yamanami_multires::tiles::{CutOptions, CutScratch, GRID, Placement as TileSpace, Tile, TilePiece};
-use yamanami_multires::wavelet::TerrainData;
 
 /// Samples along the side of a leaf, at most: at the usual tolerance 20,000 to 60,000 triangles.
 const LEAF_SAMPLES: f64 = 256.0;
@@ -262,25 +261,12 @@ impl Ground {
 
     /// Normals from the heights around each vertex, at the spacing of the tile's zoom: the same on both sides of a border.
     fn normals(&self, tile: Tile, piece: &TilePiece, terrain: &Terrain) -> Result<Vec<[f32; 3]>, Error> {
-        let (geo, data) = (terrain.geo(), terrain.surface().data());
-        let lattice = terrain.surface().numbers().lattice();
-        let level = (self.last - tile.zoom).min(lattice.levels());
-        let spacing = f64::from(1u32 << level);
-        let points = lattice.points(level);
-        let node = |at: [f64; 2]| {
-            let grid = self.space.grid(at);
-            let [x, y] = [0, 1].map(|k| (grid[k] / spacing).round().clamp(0.0, f64::from(points[k] - 1)) as u32);
-            LatticeNode { level, x, y }
-        };
-        let nodes: Vec<LatticeNode> = piece.places.iter().map(|&place| node(tile_place(tile, place))).collect();
-        let absent: Vec<LatticeNode> = nodes.iter().copied().filter(|&n| !data.is_resident(n)).collect();
-        if !absent.is_empty() {
-            load(terrain, absent)?;
-        }
-        let normal = |(&place, &node): (&[u16; 2], &LatticeNode)| {
-            let [gx, gy] = data.gradient(node);
-            let up = DVec3::new(-gx / (spacing * geo.step_m[0]), gy / (spacing * geo.step_m[1]), 1.0);
-            let normal = up.normalize().as_vec3().to_array();
+        let geo = terrain.geo();
+        let level = self.last - tile.zoom;
+        let places = piece.places.iter().map(|&place| tile_place(tile, place));
+        let found = normals(terrain, &self.space, level, places)?;
+        let turned = |(&place, (node, normal)): (&[u16; 2], (LatticeNode, [f32; 3]))| {
+            let spacing = f64::from(1u32 << node.level);
             let at = self.square.plane(tile_place(tile, place));
             match &self.placement {
                 // rows and columns run east and south
@@ -293,7 +279,7 @@ impl Ground {
                 None => normal,
             }
         };
-        Ok(piece.places.iter().zip(&nodes).map(normal).collect())
+        Ok(piece.places.iter().zip(found).map(turned).collect())
     }
 
     fn record(&self, tile: Tile, facts: &GlbFacts, bytes: usize) -> TileRecord {

@@ -18,22 +18,29 @@ pub(super) fn tiles(subject: ExportSubject<'_>, job: &ExportJob<'_>) -> Result<E
     if zooms[1] > MOST_ZOOM {
         return Err(Error::Request(format!("zoom {}: expected at most {MOST_ZOOM}", zooms[1])));
     }
-    let facts = facts(terrain.title(), &tiles, zooms, job.options.tile_encoding);
+    let facts = |report: &ExportReport| facts(terrain.title(), &tiles, report, job.options.tile_encoding);
     if job.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("pmtiles")) {
         let archive = PmtilesArchive::create(job.output)?;
         let report = write(&tiles, zooms, job, &archive)?;
-        archive.finish(&PmtilesFacts { zooms, bounds_deg: tiles.bounds_deg(), metadata: facts })?;
+        let zooms = zooms_of(&report);
+        archive.finish(&PmtilesFacts { zooms, bounds_deg: tiles.bounds_deg(), metadata: facts(&report) })?;
         return Ok(report);
     }
     let folder = TileFolder::create(job.output, &job.identity(ExportKind::TerrainRgb))?;
     let report = write(&tiles, zooms, job, &folder)?;
-    folder.put("tiles.json", facts.to_string().as_bytes())?;
+    folder.put("tiles.json", facts(&report).to_string().as_bytes())?;
     folder.finish()?;
     Ok(report)
 }
 
+/// Coarsest and finest zoom that have tiles.
+fn zooms_of(report: &ExportReport) -> [u32; 2] {
+    [report.zooms.first(), report.zooms.last()].map(|zoom| zoom.map_or(0, |zoom| zoom.zoom))
+}
+
 /// TileJSON 3.0, which is also what an archive says of itself.
-fn facts(title: &str, tiles: &HeightTiles<'_>, [coarsest, finest]: [u32; 2], encoding: TileEncoding) -> Value {
+fn facts(title: &str, tiles: &HeightTiles<'_>, report: &ExportReport, encoding: TileEncoding) -> Value {
+    let [coarsest, finest] = zooms_of(report);
     let [west, south, east, north] = tiles.bounds_deg();
     json!({
         "tilejson": "3.0.0",
@@ -95,7 +102,12 @@ fn write(
             "below zoom {full} a pixel is the mean height of its ground; the error told is that of the colours"
         ));
     }
-    Ok(ExportReport { zooms: (zooms[0]..=zooms[1]).map(of).collect(), kept: run.kept.into_inner(), notes })
+    // on the coarsest zooms a small terrain is less than a pixel
+    let zooms: Vec<ZoomReport> = (zooms[0]..=zooms[1]).map(of).filter(|zoom| zoom.tiles > 0).collect();
+    if zooms.is_empty() {
+        return Err(Error::Request("there is no ground to be seen in these zooms".to_owned()));
+    }
+    Ok(ExportReport { zooms, kept: run.kept.into_inner(), notes })
 }
 
 /// One export under way.

@@ -48,8 +48,9 @@ fn add_border(chain: &mut HashMap<Edge, i64>, mesh: &LatticeMesh, sign: i64) {
 }
 
 /// What a tile's border is, the borders of its children are together. So every mix of levels has the border of the root: no
-/// crack anywhere. The border of the source itself, between `outer` places, may get sharper.
-fn check_seams(cut: &Cut, outer: &HashSet<[i64; 3]>) {
+/// crack anywhere. The border of the source itself, between `outer` places, may get sharper; and of three places so many steps
+/// apart, in a row, one may be left out.
+fn check_seams(cut: &Cut, outer: &HashSet<[i64; 3]>, near: u64) {
     let mut parents = 0;
     for (&(level, place), (parent, _)) in &cut.parts {
         let children: Vec<&LatticeMesh> = cut
@@ -66,7 +67,11 @@ fn check_seams(cut: &Cut, outer: &HashSet<[i64; 3]>) {
         add_border(&mut chain, parent, 1);
         children.iter().for_each(|child| add_border(&mut chain, child, -1));
         let is_outer = |edge: &Edge| edge.iter().all(|p| outer.contains(p));
-        let torn: Vec<(&Edge, &i64)> = chain.iter().filter(|&(edge, &n)| n != 0 && !is_outer(edge)).collect();
+        let torn: Vec<(&Edge, &i64)> = chain
+            .iter()
+            .filter(|&(edge, &n)| n != 0 && !is_outer(edge))
+            .filter(|([a, b], _)| (0..3).any(|k| a[k].abs_diff(b[k]) > near))
+            .collect();
         assert!(torn.is_empty(), "tile {level} {place:?}: {torn:?}");
     }
     assert!(parents > 3 && cut.levels > 2, "{parents} tiles with children on {} levels", cut.levels);
@@ -87,14 +92,14 @@ fn check_errors(cut: &Cut, source: &TriangleMesh) {
             shown.positions.extend(part.places.iter().map(metres));
             shown.triangles.extend(part.triangles.iter().map(|t| t.map(|v| v + first)));
             most_m = most_m.max(*error_m);
-            for t in part.triangles.iter().step_by(3) {
+            for t in part.triangles.iter().step_by(7) {
                 let middle = t.iter().map(|&v| metres(&part.places[v as usize])).sum::<DVec3>() / 3.0;
                 let off_m = index.closest(middle).unwrap().distance_m;
                 assert!(off_m <= *error_m, "{tile:?}: {off_m} m off, {error_m} m promised");
             }
         }
         let back = SurfaceIndex::new(&shown);
-        for &p in source.positions.iter().step_by(5) {
+        for &p in source.positions.iter().step_by(11) {
             let off_m = back.closest(p).unwrap().distance_m;
             assert!(off_m <= most_m, "level {level}: {off_m} m off, {most_m} m promised");
         }
@@ -102,7 +107,7 @@ fn check_errors(cut: &Cut, source: &TriangleMesh) {
 }
 
 fn scan() -> (TriangleMesh, Model) {
-    let mut mesh = models::torus(160, 90, 0.02);
+    let mut mesh = models::torus(120, 80, 0.02);
     models::shake(&mut mesh, 0.001, 3);
     let model = ModelBuild::of_mesh(&mesh, "ring".to_owned(), &|_| ()).unwrap().into_model().unwrap();
     (mesh, model)
@@ -112,8 +117,8 @@ fn scan() -> (TriangleMesh, Model) {
 fn tiles_of_a_scan_have_no_cracks_and_true_errors() {
     let (mesh, model) = scan();
     for leaf_error_m in [0.0, 0.004] {
-        let cut = cut(&model, None, leaf_error_m, 1500);
-        check_seams(&cut, &HashSet::new());
+        let cut = cut(&model, None, leaf_error_m, 1000);
+        check_seams(&cut, &HashSet::new(), 0);
         check_errors(&cut, &mesh);
         if leaf_error_m == 0.0 {
             let root = &cut.parts[&(0, [0; 3])];
@@ -144,7 +149,7 @@ fn tiles_of_a_tin_on_the_globe_have_no_cracks_and_true_errors() {
         c == 0 || c == 119 || r == 0 || r == 109
     });
     let steps = |p: &DVec3| (*p / cut.step_m).round().to_array().map(|c| c as i64);
-    check_seams(&cut, &outer.map(|(_, p)| steps(p)).collect());
+    check_seams(&cut, &outer.map(|(_, p)| steps(p)).collect(), 0);
     check_errors(&cut, &source);
     let normal =
         cut.parts[&(0, [0; 3])].0.normals.iter().fold(DVec3::ZERO, |sum, n| sum + DVec3::from_array(n.map(f64::from)));
@@ -198,7 +203,7 @@ fn tiles_of_terrains_have_no_cracks_and_true_errors() {
         };
         let field = HeightField::new(300, 270, heights.clone(), geo);
         let (samples, cut, outer) = cut_terrain(field, &options);
-        check_seams(&cut, &outer);
+        check_seams(&cut, &outer, 4);
         for level in 0..cut.levels as u32 {
             let (mut shown, mut most_m) = (TriangleMesh::default(), 0.0f64);
             for (part, error_m) in cut.parts.iter().filter(|(tile, _)| tile.0 == level).map(|(_, part)| part) {
@@ -209,7 +214,7 @@ fn tiles_of_terrains_have_no_cracks_and_true_errors() {
             }
             assert!(most_m < 20.0 * f64::from(8 >> level), "level {level}: {most_m} m");
             let index = SurfaceIndex::new(&shown);
-            for &p in samples.positions.iter().step_by(17) {
+            for &p in samples.positions.iter().step_by(41) {
                 let off_m = index.closest(p).unwrap().distance_m;
                 assert!(off_m <= most_m, "level {level}: {off_m} m off, {most_m} m promised");
             }

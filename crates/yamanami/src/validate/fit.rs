@@ -56,14 +56,17 @@ impl Fit {
 
 /// Holds a surface against all samples of the source in a rectangle (west, south, east, north in degrees). `plan` gives the
 /// place of a longitude, latitude and height in the surface's frame, and what is its height there; `None` where the sample
-/// is none of this tile's.
+/// is none of this tile's. A sample is covered where a triangle lies no further than `nudge` towards the middle: borders
+/// that are rounded leave no hole.
 pub(super) fn fit(
     source: &Source,
     bounds: [f64; 4],
     index: &PlanIndex<'_>,
+    nudge: f64,
     plan: &(dyn Fn([f64; 3]) -> Option<(DVec2, f64)> + Sync),
 ) -> Result<Fit, Error> {
     let mut all = Fit::default();
+    let middle = index.mesh().bounds().centre().truncate();
     source.visit(bounds, |strip| {
         let rows: Vec<Fit> = (strip.rows[0]..strip.rows[1])
             .into_par_iter()
@@ -75,7 +78,9 @@ pub(super) fn fit(
                     let [lon, lat] = lon_lat;
                     let inside = bounds[0] <= lon && lon <= bounds[2] && bounds[1] <= lat && lat <= bounds[3];
                     let Some((place, expected_m)) = plan([lon, lat, height_m]).filter(|_| inside) else { continue };
-                    let residual_m = footing(index, place).map(|at| at.height_m - expected_m);
+                    let residual_m = footing(index, place)
+                        .or_else(|| footing(index, place + (middle - place).normalize_or_zero() * nudge))
+                        .map(|at| at.height_m - expected_m);
                     sums.add(lon_lat, strip.gradient(column, row), residual_m);
                 }
                 sums

@@ -36,6 +36,9 @@ struct Pyramid {
     cache: Cache<TileId, Option<Heights>>,
 }
 
+/// Size and bytes of a tile, what is wrong with it, and how far its heights are from its children's.
+type Checked = (Option<([usize; 2], usize)>, Vec<Fault>, f64);
+
 /// A tile's heights in metres, row by row from the north-west; NaN where there are none.
 #[derive(Debug)]
 struct Heights {
@@ -226,8 +229,7 @@ impl Pyramid {
         self.heights(id)?.as_ref().as_ref().map(|h| (h.size, h.heights_m.clone()))
     }
 
-    /// Size and bytes of a tile, what is wrong with it, and how far its heights are from its children's.
-    fn check(&self, id: TileId) -> (Option<([usize; 2], usize)>, Vec<Fault>, f64) {
+    fn check(&self, id: TileId) -> Checked {
         let mut faults = Faults::default();
         let own = match self.decode(id) {
             Ok(own) => own,

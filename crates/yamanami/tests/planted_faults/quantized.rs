@@ -72,7 +72,7 @@ impl Tile {
         for cell in 0..(n * n) as u32 {
             let a = cell / n as u32 * w + cell % n as u32;
             // diagonals run from bump to bump, or from corner to corner without one
-            let is_rising = n == 2 || (cell / n as u32 + cell % n as u32) % 2 == 0;
+            let is_rising = n == 2 || (cell / n as u32 + cell % n as u32).is_multiple_of(2);
             let [b, c, d] = [a + 1, a + 1 + w, a + w];
             tile.triangles.extend(if is_rising { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] });
         }

@@ -181,6 +181,11 @@ pub(crate) fn run(args: &ExportArgs) -> Result<(), Failure> {
         tile_px: args.tile_px,
         check: args.check,
     };
+    match args.to {
+        KindName::Glb => inputs::check_output(&args.output, &["glb"], &args.source.sources)?,
+        KindName::Tiles3tz => inputs::check_output(&args.output, &["3tz"], &args.source.sources)?,
+        _ => {}
+    }
     let mut opened = inputs::subject(&args.source)?;
     let subject = match &mut opened {
         Opened::Terrain(terrain) => ExportSubject::Terrain(terrain),
@@ -255,12 +260,15 @@ fn print(args: &ExportArgs, report: &ExportReport, seconds: f64) -> Result<(), F
     )?;
     for z in &report.zooms {
         let measured = z.measured_m.map_or_else(String::new, |m| format!(", measured {} m", text::number(m)));
+        let triangles = match z.triangles {
+            0 => String::new(),
+            n => format!("{} triangles, ", text::count(n)),
+        };
         out::row(
             &format!("zoom {}", z.zoom),
             format_args!(
-                "{} tiles, {} triangles, {}, within {} m{measured}",
+                "{} tiles, {triangles}{}, within {} m{measured}",
                 text::count(z.tiles),
-                text::count(z.triangles),
                 text::bytes(z.bytes),
                 text::number(z.error_m),
             ),

@@ -11,7 +11,7 @@ use yamanami_core::{Aabb, TriangleMesh};
 const POINTS: usize = 3;
 
 /// Across rather than along: the sine of the angle between the border and the way to the other.
-const ACROSS: f64 = 0.7;
+const ACROSS: f64 = 0.9;
 
 /// The edges of a mesh that only one triangle has.
 #[derive(Debug, Clone, Default)]

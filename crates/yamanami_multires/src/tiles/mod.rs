@@ -17,6 +17,7 @@ mod locate;
 mod piece;
 mod placement;
 mod plan;
+mod sheet;
 mod table;
 mod walk;
 

@@ -39,8 +39,6 @@ pub struct TilePiece {
     pub places: Vec<[u16; 2]>,
     /// Their heights, metres: multiples of [`Self::quantum_m`].
     pub heights_m: Vec<f64>,
-    /// Unit normals, one a vertex: east, north, up; or empty.
-    pub normals: Vec<[f32; 3]>,
     /// Corners, counter-clockwise from above, in an order in which neighbours follow one another; vertices are numbered as
     /// they first appear.
     pub triangles: Vec<[u32; 3]>,

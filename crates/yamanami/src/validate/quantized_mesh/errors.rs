@@ -8,6 +8,8 @@ use crate::validate::{MOST_SHIFT_SAMPLES, Source, ValidateOptions, sample};
 use glam::DVec2;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
+use yamanami_core::TriangleMesh;
+use yamanami_measure::SurfaceIndex;
 use yamanami_measure::tiles::earth::SEMI_MAJOR_M;
 use yamanami_measure::tin::{PlanIndex, vertical_difference};
 
@@ -57,8 +59,10 @@ pub(super) fn measure(
     const AT_ONCE: usize = 64;
     for (k, tiles) in chosen.chunks(AT_ONCE).enumerate() {
         progress((k * AT_ONCE) as f32 / chosen.len() as f32);
-        let found: Result<Vec<_>, Error> =
-            tiles.par_iter().map(|&id| one(pyramid, id, chosen.len() < pyramid.tiles.len(), source)).collect();
+        let found: Result<Vec<_>, Error> = tiles
+            .par_iter()
+            .map(|&id| one(pyramid, id, &declared, chosen.len() < pyramid.tiles.len(), source))
+            .collect();
         for found in found?.into_iter().flatten() {
             judge(pyramid, &declared, &found, report);
             let (row, fits) = rows.entry(found.id.z).or_default();
@@ -113,7 +117,13 @@ fn judge(pyramid: &Pyramid, declared: &Declared, found: &Found, report: &mut Val
     }
 }
 
-fn one(pyramid: &Pyramid, id: TileId, only_some: bool, source: Option<&Source>) -> Result<Option<Found>, Error> {
+fn one(
+    pyramid: &Pyramid,
+    id: TileId,
+    declared: &Declared,
+    only_some: bool,
+    source: Option<&Source>,
+) -> Result<Option<Found>, Error> {
     let held = pyramid.tile(id);
     let Some(Ok(tile)) = held.as_deref() else { return Ok(None) };
     let mut found = Found { id, measured_m: 0.0, uncovered: 0.0, fit: Fit::default() };
@@ -124,13 +134,16 @@ fn one(pyramid: &Pyramid, id: TileId, only_some: bool, source: Option<&Source>) 
             leaves = sample(&leaves, LEAVES_OF_SOME, u64::from(id.z) << 40 | u64::from(id.x) << 20 | u64::from(id.y));
         }
         (found.measured_m, found.uncovered) = against(pyramid, tile, &leaves);
+        if found.measured_m > declared.metres(id.z) {
+            found.measured_m = found.measured_m.min(in_space(pyramid, tile, &leaves));
+        }
     }
     if let Some(source) = source {
         let surface = tile.surface(|u, v| pyramid.plan(id, [u, v]));
         let index = PlanIndex::new(&surface);
         let ([west, south], [east, north]) = (pyramid.place(id, [0.0; 2]), pyramid.place(id, [GRID; 2]));
         let plan = |[lon, lat, height_m]: [f64; 3]| Some((DVec2::from(pyramid.plan_of([lon, lat])), height_m));
-        found.fit = fit(source, [west, south, east, north], &index, &plan)?;
+        found.fit = fit(source, [west, south, east, north], &index, 0.0, &plan)?;
     }
     Ok(Some(found))
 }
@@ -163,4 +176,18 @@ fn against(pyramid: &Pyramid, tile: &Tile, leaves: &[TileId]) -> (f64, f64) {
     };
     let all: Vec<(f64, f64)> = leaves.par_iter().map(one).collect();
     all.into_iter().fold((0.0, 0.0), |(max, sum), (m, u)| (max.max(m), sum + u))
+}
+
+/// The same in space, at the descendants' vertices: a cliff that moves a little differs much along the vertical, and little
+/// for who looks at it.
+fn in_space(pyramid: &Pyramid, tile: &Tile, leaves: &[TileId]) -> f64 {
+    let coarse = TriangleMesh::new(pyramid.positions_m(tile.id, &tile.mesh), tile.mesh.triangles.clone());
+    let index = SurfaceIndex::new(&coarse);
+    let one = |leaf: &TileId| {
+        let held = pyramid.tile(*leaf);
+        let Some(Ok(fine)) = held.as_deref() else { return 0.0 };
+        let positions = pyramid.positions_m(fine.id, &fine.mesh);
+        positions.iter().filter_map(|&p| index.closest(p)).map(|c| c.distance_m).fold(0.0, f64::max)
+    };
+    leaves.par_iter().map(one).reduce(|| 0.0, f64::max)
 }

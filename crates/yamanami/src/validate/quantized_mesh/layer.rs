@@ -63,7 +63,7 @@ pub(super) fn check(layer: &Value, report: &mut ValidateReport) {
     let bounds: Vec<f64> = layer["bounds"].as_array().into_iter().flatten().filter_map(Value::as_f64).collect();
     let on_globe =
         |b: &[f64]| -180.0 <= b[0] && b[0] < b[2] && b[2] <= 180.0 && -90.0 <= b[1] && b[1] < b[3] && b[3] <= 90.0;
-    if !layer["bounds"].is_null() && !(bounds.len() == 4 && on_globe(&bounds)) {
+    if !(layer["bounds"].is_null() || bounds.len() == 4 && on_globe(&bounds)) {
         wrong("LJ05", "bounds", "west, south, east and north in degrees", &layer["bounds"]);
     }
 }

@@ -24,6 +24,9 @@ const KEPT: f64 = 1.001;
 /// Below this, single precision explains a difference, metres.
 const ROUNDING_M: f64 = 0.01;
 
+/// Borders may be rounded by so many metres.
+const NUDGE_M: f64 = 0.5;
+
 struct Found {
     tile: usize,
     measured_m: f64,
@@ -137,15 +140,18 @@ fn one(
             leaves.par_iter().map(one).reduce(|| 0.0, f64::max)
         }
         _ if leaves.is_empty() => 0.0,
-        _ => {
-            let index = SurfaceIndex::new(&content.mesh);
-            leaves.par_iter().map(|&leaf| distance(&contents.mesh(leaf), &index)).reduce(|| 0.0, f64::max)
-        }
+        _ => f64::INFINITY,
     };
+    // a cliff that moves a little differs much along the vertical, and little for who looks at it
+    if found.measured_m > tile.error_m {
+        let index = SurfaceIndex::new(&content.mesh);
+        let in_space = leaves.par_iter().map(|&leaf| distance(&contents.mesh(leaf), &index)).reduce(|| 0.0, f64::max);
+        found.measured_m = found.measured_m.min(in_space);
+    }
     if let (Some(source), Some(level), Some(index), true) = (source, &level, &index, contents.is_on_globe) {
         let (bounds, is_own) = rectangle(tile.volume, &content);
         let plan = |place: [f64; 3]| Some(level.plan(ecef_m(place)));
-        found.fit = fit(source, bounds, index, &plan)?;
+        found.fit = fit(source, bounds, index, NUDGE_M, &plan)?;
         if !is_own {
             // what lies in a rectangle around a tile of another shape need not be the tile's
             found.fit.samples -= found.fit.uncovered;

@@ -248,7 +248,7 @@ impl Pattern<'_> {
             match semantic.as_str() {
                 "TILE_GEOMETRIC_ERROR" => {
                     tile.error_m = own[0];
-                    if !(own[0] >= 0.0) {
+                    if own[0].is_nan() || own[0] < 0.0 {
                         report.add(
                             "TS04",
                             &tile.name,

@@ -138,7 +138,7 @@ impl<'c> Tree<'c> {
             (Some(error), Some(root)) if error < root => {
                 report.add("TS13", name, "geometricError", format!("at least its root's {root}"), error.to_string());
             }
-            (Some(error), _) if !(error >= 0.0) => {
+            (Some(error), _) if error < 0.0 => {
                 report.add("TS04", name, "geometricError", "a number, not negative", error.to_string());
             }
             _ => {}

@@ -1,4 +1,4 @@
-//! Packed glTF: what is written comes back, and as others expect it.
+//! What is written comes back, whatever the packing; and the document is as the extensions want it.
 
 use super::*;
 use crate::mesh_file::read_mesh_from_bytes;
