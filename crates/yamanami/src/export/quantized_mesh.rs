@@ -92,7 +92,6 @@ pub(super) fn bytes_of(
         triangles: &piece.triangles,
         sides: &piece.sides,
         normals: &normals,
-        error_m: Some(piece.error_m),
     }))?)
 }
 

@@ -53,6 +53,11 @@ pub const RULES: &[Rule] = &[
     rule("QM24", Warning, "every vertex belongs to a triangle"),
     rule("QM25", Error, "inside a tile every edge has a triangle on either side: no slits, no T-vertices"),
     rule("QM26", Warning, "the availability of the metadata extension names tiles that are there"),
+    rule(
+        "QM27",
+        Error,
+        "tiles have a metadata extension only where layer.json has metadataAvailability: CesiumJS takes no other",
+    ),
     rule("LJ01", Error, "layer.json is there and is a JSON object"),
     rule("LJ02", Error, "layer.json says format quantized-mesh-1.x and a TileJSON version"),
     rule("LJ03", Error, "layer.json has a tiles template with {z}, {x} and {y}"),

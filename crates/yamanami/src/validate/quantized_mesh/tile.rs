@@ -159,7 +159,11 @@ fn check_heights(mesh: &QuantizedMesh, faults: &mut Faults) {
 }
 
 fn check_metadata(pyramid: &Pyramid, tile: &Tile, faults: &mut Faults) {
-    let Some(levels) = tile.mesh.metadata.as_ref().and_then(|m| m["available"].as_array()) else { return };
+    let Some(metadata) = tile.mesh.metadata.as_ref() else { return };
+    if pyramid.layer.as_ref().is_some_and(|layer| layer["metadataAvailability"].is_null()) {
+        faults.add("QM27", "metadata", "none, or metadataAvailability in layer.json", "metadata");
+    }
+    let Some(levels) = metadata["available"].as_array() else { return };
     for (z, ranges) in (tile.id.z + 1..).zip(levels) {
         for range in ranges.as_array().into_iter().flatten() {
             let missing = super::layer::Range::of(range).and_then(|range| range.missing(pyramid, z));

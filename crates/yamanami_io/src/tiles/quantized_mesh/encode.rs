@@ -7,9 +7,9 @@ use glam::DVec3;
 /// More vertices than this have corners of four bytes.
 const MOST_OF_TWO_BYTES: usize = 1 << 16;
 
-/// The extensions' numbers.
+/// Number of the extension with normals. There is none with metadata: CesiumJS refuses tiles that have one where `layer.json`
+/// lists all that is available.
 const NORMALS: u8 = 1;
-const METADATA: u8 = 4;
 
 /// The mesh of a tile.
 #[derive(Debug, Clone, Copy)]
@@ -28,8 +28,6 @@ pub struct MeshTile<'a> {
     pub sides: &'a [Vec<u32>; 4],
     /// Unit normals: east, north, up; or empty.
     pub normals: &'a [[f32; 3]],
-    /// No sample is further from the mesh, metres; goes into the metadata.
-    pub error_m: Option<f64>,
 }
 
 /// Encodes a tile, not packed. Decoders find every height to the bit: least and greatest height are multiples of the
@@ -70,12 +68,6 @@ pub fn encode(tile: &MeshTile<'_>) -> Vec<u8> {
     }
     if !tile.normals.is_empty() {
         extension(&mut out, NORMALS, &normals(tile));
-    }
-    if let Some(error_m) = tile.error_m {
-        let text = format!("{{\"geometricerror\":{error_m}}}");
-        let mut body = (text.len() as u32).to_le_bytes().to_vec();
-        body.extend(text.as_bytes());
-        extension(&mut out, METADATA, &body);
     }
     out
 }
