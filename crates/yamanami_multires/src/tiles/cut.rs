@@ -4,6 +4,7 @@ use super::apron::{RIM, Spot, outside};
 use super::border::Side;
 use super::clip::{Corner, Place, area, clip, ears};
 use super::fill::{fill, open_edges};
+use super::measure;
 use super::piece::{GRID, Tile, TilePiece};
 use super::placement::Placement;
 use super::plan::{CutOptions, Plan, ZoomPlan};
@@ -115,13 +116,15 @@ impl<'a, D: TerrainData> Cutter<'a, D> {
         if self.plan.fill_m.is_some() && absent.is_empty() {
             job.fill(absent);
         }
+        let error_m =
+            if absent.is_empty() { measure::error_m(&ground, &self.plan, tile, job.sheet, absent) } else { 0.0 };
         if !absent.is_empty() {
             absent.sort_unstable();
             absent.dedup();
             return Err(Absent(std::mem::take(absent)));
         }
         let mut piece = TilePiece {
-            error_m: sheet.bound_m(),
+            error_m,
             places: std::mem::take(&mut sheet.places),
             heights_m: std::mem::take(&mut sheet.heights_m),
             triangles: std::mem::take(&mut sheet.triangles),

@@ -14,6 +14,7 @@ mod clip;
 mod cut;
 mod fill;
 mod locate;
+mod measure;
 mod piece;
 mod placement;
 mod plan;

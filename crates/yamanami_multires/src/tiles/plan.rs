@@ -48,6 +48,9 @@ pub(crate) struct ZoomPlan {
     pub(crate) inner_quantum_m: f64,
 }
 
+/// The front's share of the tolerance; what is left is for heights that are rounded and edges that are moved.
+const FRONT_SHARE: f64 = 0.9;
+
 /// What holds for all tiles.
 #[derive(Debug, Clone)]
 pub(crate) struct Plan {
@@ -56,6 +59,12 @@ pub(crate) struct Plan {
     /// From this zoom on all borders are closed.
     pub(crate) closed: u32,
     zooms: Vec<ZoomPlan>,
+    /// Zooms below this have lattices as coarse as the samples: places in them mean little.
+    crude_below: u32,
+    /// What is promised of the finest zoom, metres.
+    pub(crate) tolerance_m: f64,
+    /// All that two heights can differ, metres.
+    pub(crate) relief_m: f64,
     /// By level: how far a triangle's chord lies below the globe, metres.
     pub(crate) sagitta_m: Vec<f64>,
     pub(crate) fill_m: Option<f64>,
@@ -68,6 +77,7 @@ impl Plan {
     pub(crate) fn new(options: &CutOptions, levels: u32, step_m: [f64; 2], sample: f64) -> Self {
         let [first, last] = options.zooms;
         let lattice = |zoom: u32| 1.0 / (f64::from(1u32 << zoom) * f64::from(super::GRID));
+        let crude_below = (first..last).find(|&zoom| 2.0 * lattice(zoom) <= sample).unwrap_or(last);
         let fine = (first..last).find(|&zoom| lattice(zoom) * STEPS_A_SAMPLE <= sample).unwrap_or(last);
         let closed = last.saturating_sub(CLOSED_ZOOMS).max(fine).max(first);
         let hypotenuse_2 = step_m[0] * step_m[0] + step_m[1] * step_m[1];
@@ -84,7 +94,7 @@ impl Plan {
         let highest_m = low_m.abs().max(high_m.abs()) + relief_m;
         let least_m = (relief_m * 1.001 / f64::from(super::GRID - 2)).max(highest_m * 2f64.powi(-23));
         let range_quantum_m = least_m.log2().ceil().exp2();
-        let error_m = |zoom: u32| options.tolerance_m * f64::from(last - zoom.min(last)).exp2();
+        let error_m = |zoom: u32| FRONT_SHARE * options.tolerance_m * f64::from(last - zoom.min(last)).exp2();
         let zooms = (first..=last)
             .map(|zoom| {
                 let border_m = if zoom >= closed { error_m(last) } else { error_m(zoom + FINER_BORDERS) };
@@ -109,7 +119,13 @@ impl Plan {
             .collect();
         let chord_m = options.globe_radius_m.map_or(0.0, |radius_m| (8.0 * radius_m * options.tolerance_m).sqrt());
         let chord = chord_m * sample / step_m[0].max(step_m[1]);
-        Self { first, last, closed, zooms, sagitta_m, fill_m: options.fill_m, chord }
+        let (tolerance_m, fill_m) = (options.tolerance_m, options.fill_m);
+        Self { first, last, closed, zooms, crude_below, tolerance_m, relief_m, sagitta_m, fill_m, chord }
+    }
+
+    /// Whether a zoom's lattice is as coarse as the samples.
+    pub(crate) fn is_crude(&self, zoom: u32) -> bool {
+        zoom < self.crude_below
     }
 
     /// Into how many parts the fill of a tile is divided along its sides, as a power of two.

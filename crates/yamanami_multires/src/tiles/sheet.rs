@@ -71,17 +71,15 @@ impl Sheet {
         }
     }
 
-    /// No sample is further from the mesh. A sample in a triangle of the mesh lies in the triangle of the front that became
-    /// it, or in a neighbour, beyond an edge that was moved.
-    pub(super) fn bound_m(&self) -> f64 {
+    /// By triangle, how far the samples in it may be from the mesh. A sample in a triangle of the mesh lies in the triangle of
+    /// the front that became it, or in a neighbour, beyond an edge that was moved.
+    pub(super) fn bounds_m(&self) -> impl Iterator<Item = f64> {
         let worst = |corners: &[u32; 3], of: &[f32]| corners.iter().map(|&v| of[v as usize]).fold(0.0, f32::max);
-        let bounds = self
-            .triangles
-            .iter()
-            .zip(&self.off_m)
-            .map(|(corners, off_m)| worst(corners, &self.error_m) + off_m + 2.0 * worst(corners, &self.moved_m));
-        // sums of three numbers in f32
-        f64::from(bounds.fold(0.0, f32::max)) * (1.0 + 1e-6)
+        self.triangles.iter().zip(&self.off_m).map(move |(corners, off_m)| {
+            let bound_m = worst(corners, &self.error_m) + off_m + 2.0 * worst(corners, &self.moved_m);
+            // sums of three numbers in f32
+            f64::from(bound_m) * (1.0 + 1e-6)
+        })
     }
 }
 
