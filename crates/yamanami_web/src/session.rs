@@ -47,6 +47,8 @@ pub(crate) struct Maps {
     asked: Option<([f64; 2], f64)>,
     /// Where the map is to be, by a link.
     wish: Option<[f64; 2]>,
+    /// How it is to be held in the picture, by a link.
+    wish_held: Option<[f64; 3]>,
     fault: Option<String>,
 }
 
@@ -238,12 +240,12 @@ impl Session {
         Ok(())
     }
 
-    /// Centres the deformed map at a longitude and latitude.
-    pub(crate) fn centre_map(&mut self, [lon, lat]: [f64; 2]) -> Result<(), String> {
+    /// Centres the deformed map at a longitude and latitude, held in the picture so, or fitted to it.
+    pub(crate) fn centre_map(&mut self, [lon, lat]: [f64; 2], held: Option<[f64; 3]>) -> Result<(), String> {
         if !(lon.abs() <= 360.0 && lat.abs() <= 90.0) {
             return Err(format!("view: expected a longitude and latitude, got {lon}, {lat}"));
         }
-        self.maps.wish = Some([lon, lat]);
+        (self.maps.wish, self.maps.wish_held) = (Some([lon, lat]), held);
         Ok(())
     }
 
@@ -347,6 +349,9 @@ impl Session {
                     map.pose.centre = DVec2::ZERO;
                 }
                 map.pose.up_azimuth_rad = self.settings.map.up_deg.to_radians();
+                if let Some(held) = self.maps.wish_held.take() {
+                    map.pose.hold(held, self.size_px);
+                }
                 (self.maps.stage, self.maps.reading) = (Some(map), None);
                 stage.feed.pin(self.profile_pages.iter().copied());
             }

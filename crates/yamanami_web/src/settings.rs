@@ -168,7 +168,7 @@ impl Settings {
             if is_right { Ok(()) } else { Err(format!("{name}: expected {least} to {most}, got {value}")) }
         };
         within("tolerance_m", self.tolerance_m.into(), 0.0, 1e6)?;
-        within("tolerance_px", self.tolerance_px.into(), 0.01, 1e4)?;
+        within("tolerance_px", self.tolerance_px.into(), 1e-3, 1e4)?;
         within("budget", self.budget.unwrap_or(1000).into(), 10.0, 1e8)?;
         within("hysteresis", self.hysteresis.into(), 0.0, 1.0)?;
         within("intervals", self.intervals as f64, 1.0, 100.0)?;

@@ -124,7 +124,7 @@ impl Viewer {
             return Err(error(format!("device lost: {message}")));
         }
         let Some(session) = &mut self.session else { return Ok(false) };
-        let changed = session.update(dt_s.clamp(0.0, 0.1)).map_err(|e| error(e.to_string()))?;
+        let changed = session.update(dt_s.clamp(0.0, 60.0)).map_err(|e| error(e.to_string()))?;
         if changed {
             let started = web_time::Instant::now();
             let Some(texture) = self.surface.next().map_err(error)? else { return Ok(true) };
@@ -337,10 +337,10 @@ impl Session {
                 "fly": stage.rig.mode() == RigMode::Fly })
         }, else json!({}));
         if let Some(map) = &self.maps.stage {
-            let view = map.view(&self.settings, self.size_px);
             let [lon, lat] = map.plane.to_lon_lat(map.pose.centre);
-            pose["map"] = json!({ "lon": round(lon, 6), "lat": round(lat, 6), "up_deg": round(map.pose.up_azimuth_rad.to_degrees(), 2),
-                "ring_px": if map.pose.is_fitted() { None } else { Some(round(view.ring_px, 2)) } });
+            let held = map.pose.held(self.size_px).map(|shares| shares.map(|v| round(v, 4)));
+            pose["map"] = json!({ "lon": round(lon, 6), "lat": round(lat, 6), "held": held,
+                "up_deg": round(map.pose.up_azimuth_rad.to_degrees(), 2) });
         }
         pose
     }
@@ -358,6 +358,7 @@ impl Session {
         struct MapPlace {
             lon: f64,
             lat: f64,
+            held: Option<[f64; 3]>,
         }
         let given: Eye = serde_json::from_str(json).map_err(|e| format!("view: {e}"))?;
         if let (Some(eye), Some(target)) = (given.eye, given.target) {
@@ -377,7 +378,7 @@ impl Session {
             }, else ());
         }
         if let Some(place) = given.map {
-            self.centre_map([place.lon, place.lat])?;
+            self.centre_map([place.lon, place.lat], place.held)?;
         }
         Ok(())
     }

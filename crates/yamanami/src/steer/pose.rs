@@ -44,6 +44,23 @@ impl Pose {
         self.held = (!is_fitted).then(|| Held::of(view));
     }
 
+    /// Size and place set by hand, in shares of the shorter side of a picture: the plain map's radius, and from the picture's
+    /// middle to the map's centre. `None` when it is fitted.
+    pub fn held(&self, size_px: [u32; 2]) -> Option<[f64; 3]> {
+        let side_px = f64::from(size_px[0].min(size_px[1]));
+        self.held.map(|held| [held.ring_px, held.offset_px.x, held.offset_px.y].map(|px| px / side_px))
+    }
+
+    /// Sets size and place as [`Self::held`] once told them; nonsense is held back.
+    pub fn hold(&mut self, shares: [f64; 3], size_px: [u32; 2]) {
+        let side_px = f64::from(size_px[0].min(size_px[1]));
+        let [ring, x, y] = shares;
+        if ring.is_finite() && x.abs() < WIDEST_RING && y.abs() < WIDEST_RING {
+            let ring_px = (ring * side_px).clamp(LEAST_RING_PX, WIDEST_RING * side_px);
+            self.held = Some(Held { ring_px, offset_px: DVec2::new(x, y) * side_px });
+        }
+    }
+
     /// What a picture of this size shows of a map, all of it to the rim and up to `top_m` where it is fitted.
     pub fn view(&self, map: DeformedMap, size_px: [u32; 2], rim_m: f64, top_m: f64) -> MapView {
         let margin_px = MARGIN_PX * f64::from(size_px[0].min(size_px[1])) / 1000.0;
@@ -125,6 +142,10 @@ mod tests {
         let to_px = near.centre_px + DVec2::from_angle(0.4).rotate(at_px - near.centre_px);
         pose.turn(&near, at_px, to_px);
         assert!((view(&pose).px_from_plane(place) - to_px).length() < 1e-6);
+        let mut other = Pose::new(pose.up_azimuth_rad);
+        other.centre = pose.centre;
+        other.hold(pose.held([800, 600]).unwrap(), [800, 600]);
+        assert!((view(&other).ring_px - view(&pose).ring_px).abs() < 1e-9);
         pose.fit(true, &near);
         assert!(view(&pose).ring_px < near.ring_px);
     }

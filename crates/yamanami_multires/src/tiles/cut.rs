@@ -364,6 +364,18 @@ impl<D: TerrainData> Job<'_, '_, D> {
 
     /// Fills what lies outside of the terrain and its rim.
     fn fill(&mut self, absent: &mut Vec<LatticeNode>) {
+        let covered: i64 = self
+            .sheet
+            .triangles
+            .iter()
+            .map(|t| {
+                let [a, b, c] = t.map(|v| self.sheet.ints(v));
+                area(a, b, c)
+            })
+            .sum();
+        if covered == 2 * i64::from(GRID) * i64::from(GRID) {
+            return;
+        }
         let size = self.size();
         let grid = |place: [f64; 2]| self.ground.placement.grid(place);
         let scale = self.scale;
