@@ -1,7 +1,7 @@
 //! The viewer in a browser: the same front, budget, differences and deformed map as on the desktop, of a packed surface
 //! whose pages are streamed by ranges, coarse first.
 //!
-//! [`Viewer`](viewer::Viewer) is what the page sees. It draws on a canvas, says which byte ranges to fetch and takes them;
+//! `viewer::Viewer` is what the page sees. It draws on a canvas, says which byte ranges to fetch and takes them;
 //! fetching itself, and everything with letters on it, is the page's (`page/`).
 #![forbid(unsafe_code)]
 // elsewhere than in a browser only the tests use it
