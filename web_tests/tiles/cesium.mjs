@@ -1,12 +1,12 @@
 // Loads tiles into CesiumJS in headless Chromium, offline, and compares heights with the program's.
 //
 //   node cesium.mjs --dem DEM --bounds W,S,E,N --tolerance M [--terrain DIR] [--tiles DIR] [--places N] [--offset M]
-//                   [--program YAMANAMI] [--picture OUT.png]
+//                   [--samples X,Y,STEP] [--program YAMANAMI] [--picture OUT.png]
 //
 // DEM has longitudes and latitudes. --terrain is a quantized-mesh pyramid: heights of the finest tiles are asked for by
 // sampleTerrainMostDetailed, and those of the globe as it is drawn by globe.getHeight where it is near. --tiles is a 3D Tiles
 // folder: it is loaded, drawn, and heights are asked for by scene.sampleHeightMostDetailed at some of the places. --offset is what
-// the tiles' heights lie above the DEM's. Exit code 1 where a height is further off than the tolerance.
+// the tiles' heights lie above the DEM's. With --samples, a sample and the step between them in degrees, places are samples. Exit code 1 where a height is further off than the tolerance.
 
 import { execFileSync } from 'node:child_process';
 import { createReadStream, existsSync, mkdtempSync, rmSync, statSync, writeFileSync } from 'node:fs';
@@ -23,7 +23,7 @@ const FLAGS = ['--no-sandbox', '--disable-quic', '--no-first-run', '--disable-ba
 
 const text = (usual) => ({ type: 'string', default: usual });
 const { values: args } = parseArgs({
-  options: { dem: text(), bounds: text(), tolerance: text('1'), terrain: text(), tiles: text(), places: text('1000'), offset: text('0'), program: text('yamanami'), picture: text('cesium.png') },
+  options: { dem: text(), bounds: text(), tolerance: text('1'), terrain: text(), tiles: text(), places: text('1000'), offset: text('0'), samples: text(), program: text('yamanami'), picture: text('cesium.png') },
 });
 if (!args.dem || !args.bounds || !(args.terrain || args.tiles)) {
   console.error('usage: node cesium.mjs --dem DEM --bounds W,S,E,N --tolerance M [--terrain DIR] [--tiles DIR]');
@@ -35,7 +35,11 @@ function heightsOfProgram([west, south, east, north], count) {
   const places = Array.from({ length: count }, (_, k) => {
     // the additive sequence of the plastic number fills a square evenly
     const [s, t] = [0.7548776662466927, 0.5698402909980532].map((step) => (0.5 + step * (k + 1)) % 1);
-    return [west + s * (east - west), south + t * (north - south)];
+    const place = [west + s * (east - west), south + t * (north - south)];
+    if (!args.samples) return place;
+    // between samples a mesh and a grid differ by themselves
+    const [x, y, step] = args.samples.split(',').map(Number);
+    return place.map((v, axis) => [x, y][axis] + Math.round((v - [x, y][axis]) / step) * step);
   });
   const folder = mkdtempSync(join(tmpdir(), 'yamanami-places-'));
   try {
