@@ -188,7 +188,7 @@ mod tests {
             height_range_m: [0.0, 3000.0],
             fill_m: None,
         };
-        let plan = Plan::new(&options, 10, [30.0; 2], 1.0 / 4096.0 / 150.0);
+        let plan = Plan::new(&options, 10, [30.0; 2], 1.0 / 4096.0 / 70.0);
         assert_eq!(plan.closed, 6);
         assert_eq!([9, 10, 11, 12].map(|z| plan.lattice_zoom(z, 3 << (z - 9))), [9; 4]);
         assert_eq!([6, 12].map(|z| plan.lattice_zoom(z, 1 << (z - 4))), [6; 2]);
