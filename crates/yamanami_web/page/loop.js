@@ -11,7 +11,10 @@ const FIRST_STEP_S = 1 / 60;
 /** A step that ends every movement: for readers who want none. */
 const WHOLE_WAY_S = 30;
 
-let module = null;
+/** The engine, on its way while the page still reads what there is to show. */
+let module = init();
+// that it could not be had is told when a viewer is made
+module.catch(() => { module = null; });
 const wantsNoMotion = matchMedia('(prefers-reduced-motion: reduce)');
 
 /** Puts a new canvas where the old one was, and a viewer into it: a canvas whose device was lost is of no more use. */

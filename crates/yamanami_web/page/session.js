@@ -5,7 +5,7 @@ import { t } from './i18n.js';
 import { Loop, makeViewer } from './loop.js';
 import { alarm, say, unsay } from './messages.js';
 import { Source } from './source.js';
-import { Stream, openSurface } from './stream.js';
+import { Stream, beginReading, openSurface } from './stream.js';
 
 /** A viewer on a surface, and everything that feeds it. */
 export class Session {
@@ -39,10 +39,11 @@ export class Session {
   async open(settings = {}, view = null) {
     const source = new Source(this.surface.pack);
     source.onWhole = (size) => say(t('whole', { size: size ? format.bytes(size) : '?' }), { kind: 'whole' });
+    const begun = beginReading(source);
     const { canvas, viewer } = await makeViewer(this.#stage, this.backend);
     if (this.#isClosed) return viewer.free();
     Object.assign(this, { canvas, viewer });
-    const facts = await openSurface(source, viewer, (isLost) => this.#showLost(isLost));
+    const facts = await openSurface(source, viewer, (isLost) => this.#showLost(isLost), begun);
     if (this.#isClosed) return;
     this.facts = facts;
     viewer.set_memory(this.memoryBytes);

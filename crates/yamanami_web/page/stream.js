@@ -9,11 +9,23 @@ const MOST_IN_FLIGHT = 6;
 const FIRST_PAUSE_MS = 500;
 const LONGEST_PAUSE_MS = 8_000;
 
-/** The first bytes of a surface, until the viewer has its whole head; the facts that it read from them. */
-export async function openSurface(source, viewer, onLost) {
+/** Begins to fetch the first bytes, while the viewer is still being made. */
+export function beginReading(source) {
+  const bytes = source.read(0, FIRST_BYTES);
+  // a failure is told when they are needed
+  bytes.catch(() => {});
+  return bytes;
+}
+
+/** The first bytes of a surface (`begun`, where they are on their way), until the viewer has its whole head; the facts in them. */
+export async function openSurface(source, viewer, onLost, begun = null) {
   let need = FIRST_BYTES;
   for (;;) {
-    const start = await patiently(() => source.read(0, need), onLost);
+    const start = await patiently(() => {
+      const bytes = begun ?? source.read(0, need);
+      begun = null;
+      return bytes;
+    }, onLost);
     const facts = JSON.parse(viewer.open(start));
     if (!facts.need) return facts;
     if (start.length >= facts.need || facts.need <= need) throw new Error('the file is cut short');
